@@ -89,11 +89,11 @@ Statement prepared(sqlite3* database, const char* text) {
 std::filesystem::path small_geopackage(const char* name) {
   const MapRing square = {{0, 0}, {0, 10}, {10, 10}, {10, 0}}, hole = {{2, 2}, {3, 2}, {3, 3}};
   const std::filesystem::path written = folder() / "written.gpkg", path = folder() / name;
-  (void)write_seamlines(written, {{1, {square, hole}}, {2, {hole}}}, two_images(), kSources, "");
+  COLLINEA_CHECK(write_seamlines(written, {{1, {square, hole}}, {2, {hole}}}, two_images(), kSources, ""));
   std::filesystem::remove(path);
   std::string text = kSmallest;
   text.replace(text.find('$'), 1, written.string());
-  sqlite3_exec(opened(path).get(), text.c_str(), nullptr, nullptr, nullptr);
+  COLLINEA_CHECK(sqlite3_exec(opened(path).get(), text.c_str(), nullptr, nullptr, nullptr) == SQLITE_OK);
   return path;
 }
 
@@ -108,7 +108,7 @@ bool accepts_row(std::string_view bytes) {
     const std::string_view part = i < int(parts.size()) ? parts[std::size_t(i)] : std::string_view{};
     sqlite3_bind_blob(change.get(), i + 1, part.data() ? part.data() : "", int(part.size()), SQLITE_STATIC);
   }
-  sqlite3_step(change.get());
+  COLLINEA_CHECK(sqlite3_step(change.get()) == SQLITE_DONE && sqlite3_changes(database.get()) == 1);
   sqlite3_reset(change.get());
   return accepts_seamlines(path);
 }

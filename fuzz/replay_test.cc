@@ -38,12 +38,12 @@ TEST(FuzzCorpus, IsRead) {
       ++files;
     }
   }
-  RecordProperty("files", int(files));
+  EXPECT_GE(files, 14u);  // as many as there were: they may only become more
 }
 
 TEST(FuzzCorpus, BelongsToTargets) {
   const std::vector<Target> targets = all_targets();
-  if (!std::filesystem::exists(kCorpus)) return;
+  ASSERT_TRUE(std::filesystem::exists(kCorpus));
   for (const auto& entry : std::filesystem::directory_iterator(kCorpus))
     EXPECT_TRUE(std::ranges::any_of(targets, [&](const Target& t) { return t.name == entry.path().filename(); }))
         << entry.path();

@@ -16,7 +16,7 @@ EXEMPT = {
 }
 DECLARED = {"Word", "FileText"}  # types whose texts are not counted
 SQL = re.compile(r"^\s*(SELECT|INSERT|UPDATE|DELETE|CREATE|DROP|PRAGMA|BEGIN|COMMIT|ALTER|VACUUM|REPLACE|ATTACH|FROM|WHERE|WITH)\b")
-TOKEN = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:[^"\\\n]|\\.)*"|\'(?:[^\'\\\n]|\\.)+\'|\w+|\n|[^\s\w]', re.S)
+TOKEN = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:[^"\\\n]|\\.)*"|(?<![0-9a-fA-F])\'(?:[^\'\\\n]|\\.)+\'|\w+|\n|[^\s\w]', re.S)
 
 
 def is_sentence(text):

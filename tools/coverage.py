@@ -21,7 +21,7 @@ def counted(path):
 
 def lines_of(notes):
     """(file, line, times it ran) of everything that one object file was made from."""
-    made = subprocess.run(["gcov", "--json-format", "--stdout", str(notes)], capture_output=True, cwd=notes.parent)
+    made = subprocess.run(["gcov", "--json-format", "--stdout", str(notes)], capture_output=True, cwd=notes.parent, check=True)
     for text in made.stdout.splitlines():
         for file in json.loads(text)["files"]:
             path = pathlib.Path(notes.parent, file["file"]).resolve()

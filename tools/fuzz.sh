@@ -30,6 +30,9 @@ note_runs() {
 fuzz() {
   local work=build/fuzz/corpus/$target found=build/fuzz/found/$target log=build/fuzz/$target.log
   mkdir -p "$work" "$found" build/fuzz/runs; touch "build/fuzz/runs/$target"
+  # Runs count for the program that was fuzzed: another build begins anew.
+  local made=$(sha256sum "$fuzzer" | cut -d' ' -f1)
+  [ "$(cat "build/fuzz/runs/.$target" 2>/dev/null)" = "$made" ] || { : > "build/fuzz/runs/$target"; echo "$made" > "build/fuzz/runs/.$target"; }
   export COLLINEA_FUZZ_TARGET=$target
   COLLINEA_FUZZ_SEEDS=$work "$fuzzer"
   local known=(); [ ! -d "fuzz/corpus/$target" ] || known=("fuzz/corpus/$target")
@@ -41,11 +44,19 @@ fuzz() {
     left=$((left + $(find "$work" "${known[@]}" -type f | wc -l) + 1))
     if ASAN_OPTIONS=$sanitizer:detect_leaks=0 "$fuzzer" "${options[@]}" -runs="$left" -max_total_time="$seconds" \
         -print_final_stats=1 "$work" "${known[@]}" > "$log" 2>&1; then note_runs
-    else verdict="FOUND, see $log"; note_runs; fi
+    else
+      local status=$?; note_runs
+      [ "$status" -ne 72 ] || { echo "$target: interrupted" >&2; exit 130; }
+      verdict="FOUND, see $log"
+    fi
   fi
   if [ -z "$verdict" ] && [ "$(total '{n += $1} END {print n + 0}')" -ge "$runs" ]; then
     if ASAN_OPTIONS=$sanitizer:detect_leaks=1 "$fuzzer" "${options[@]}" -runs=0 "$work" "${known[@]}" > "$log.leaks" 2>&1
-    then verdict=clean; else verdict="FOUND, see $log.leaks"; fi
+    then verdict=clean
+    else
+      [ $? -ne 72 ] || { echo "$target: interrupted" >&2; exit 130; }
+      verdict="FOUND, see $log.leaks"
+    fi
   fi
   printf '%-16s %s  %s\n' "$target" "$(total '{n += $1; s += $2; if ($3 > m) m = $3}
       END {printf "%8d runs %6d /s %5d MB", n, n / (s ? s : 1), m}')" "${verdict:-clean so far}"
@@ -54,5 +65,6 @@ fuzz() {
 
 targets=$wanted; bad=0
 [ "$wanted" != all ] || targets=$("$fuzzer" 2>&1 | tail -n +2 || true)
+[ -n "$targets" ] || { echo "no targets: $fuzzer is missing or broken" >&2; exit 1; }
 for target in $targets; do fuzz; done
 exit $bad

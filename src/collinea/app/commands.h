@@ -10,7 +10,7 @@ namespace collinea {
 
 inline constexpr const char* kSeedHelp = "of everything random: same seed, same bits";
 
-// One function a command, each in a file of its own name; a new one is declared here and listed below.
+// One function a command, each in a file of its name (import beside run); a new one is declared here and listed below.
 Command run_command();
 Command import_command();
 /// detect, match, orient, densify, surface, ortho, report: the same command for every step after import.

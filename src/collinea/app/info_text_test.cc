@@ -106,7 +106,7 @@ TEST(InfoText, PeopleReadTheSameFigures) {
         "tie points             30 with 75 observations", "mean reprojection      0.4568 px",
         "ground sample          0.0204 m", "control RMSE           0.010 / 0.020 / - m (east / north / height)",
         "check RMSE             none", "step detect                 1.5 s      2.5 CPU-s      3 MB",
-        "note                   Positions and control do not fix the position of the block (fewer than three, or all "
+        "note                   Positions and control do not fix where the block lies (fewer than three, or all "
         "on one "
         "line): local gauge."})
     EXPECT_NE(text.find(std::string(line) + "\n"), std::string::npos) << line << "\n" << text;

@@ -36,18 +36,19 @@ struct Working {
       ended = true;
       const std::lock_guard lock(mutex);
       ended_by.emplace(unit, std::move(worked).error());
+      return;
     }
     progress.finish_one();
   }
 
   Result<> all(std::span<const std::size_t> units) {
     parallel_for(run, units.size(), [&](std::size_t i) { one(units[i]); });
-    if (!ended_by.empty()) {
-      if (run.stopped()) return fail(Errc::kCancelled, "stopped");
+    const Result<> kept = job.keep ? job.keep() : Result<>{};
+    if (!ended_by.empty() && !run.stopped()) {
       auto& [unit, error] = *ended_by.begin();
       return tl::unexpected(std::move(error).within(name_of(list.units[unit])));
     }
-    if (job.keep) COLLINEA_TRY(job.keep());
+    if (!kept) return kept;
     if (run.stopped()) return fail(Errc::kCancelled, "stopped");
     return {};
   }

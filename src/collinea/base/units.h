@@ -108,8 +108,9 @@ struct UnitJob {
   /// Makes the result of a unit, and keeps it unless `keep` does that. Called from several threads, with a run of one
   /// thread and without progress. An error is one that other units would meet, too (a full disk): it ends the list.
   std::function<Result<UnitWorked>(std::size_t unit, const Run& run)> work;
-  std::size_t batch = 0;                ///< so many units are kept at a time; 0: all
-  std::function<Result<>()> keep = {};  ///< keeps what a batch has made; also when the run is stopped within it
+  std::size_t batch = 0;  ///< so many units are kept at a time; 0: all
+  std::function<Result<>()> keep =
+      {};  ///< keeps what a batch has made; also when the run is stopped within it, or a unit ends the list
 };
 
 /// Works on those units of a list that have no result yet, side by side on run.threads threads: better use of the
@@ -134,7 +135,7 @@ template <class Make, class Take>
       run, list.units.size(), [&](std::size_t i) { return make(list.units[i]); },
       [&](std::size_t i, auto made) -> Result<> {
         Result<> taken = take(list.units[i], std::move(made));
-        progress.finish_one();
+        if (taken) progress.finish_one();
         return taken;
       });
 }

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <memory>
 #include <set>
+#include <thread>
 
 namespace collinea {
 namespace {
@@ -169,13 +170,14 @@ TEST(RunUnits, StoppedItIsCancelledAndTheNextRunMakesOnlyWhatIsMissing) {
                 .work = [&](std::size_t unit, const collinea::Run&) -> Result<UnitWorked> {
                   results.add(unit);
                   if (unit == 20) stop.request_stop();
+                  while (unit > 20 && !stop.stop_requested()) std::this_thread::yield();
                   return UnitWorked{};
                 }};
     const auto stopped = run_units({.stop = stop.get_token(), .threads = threads}, list, job);
     ASSERT_FALSE(stopped);
     EXPECT_EQ(stopped.error().code, Errc::kCancelled);
     const std::size_t before = results.made.size();
-    EXPECT_GE(before, 20u);
+    EXPECT_GE(before, 21u);
     EXPECT_LE(before, 22u);
     Shown shown;
     const auto resumed = run_units(shown.run(threads), list, job);
@@ -243,6 +245,22 @@ TEST(RunUnits, WhatABatchHasMadeWhenItIsStoppedIsKept) {
   EXPECT_EQ(done.error().code, Errc::kCancelled);
   const std::vector<std::set<std::size_t>> wanted{{0, 1, 2, 3}, {4, 5}};
   EXPECT_EQ(batches.kept, wanted);
+}
+
+TEST(RunUnits, WhatABatchHasMadeBeforeAUnitEndsItIsKept) {
+  Batches batches;
+  Shown shown;
+  UnitJob job = batches.job(4);
+  job.work = [work = job.work](std::size_t unit, const collinea::Run& run) -> Result<UnitWorked> {
+    if (unit == 5) return fail(Errc::kBadInput, "five");
+    return work(unit, run);
+  };
+  const auto done = run_units(shown.run(), images(10), job);
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().message, "image 5: five");
+  const std::vector<std::set<std::size_t>> wanted{{0, 1, 2, 3}, {4}};
+  EXPECT_EQ(batches.kept, wanted);
+  EXPECT_EQ(shown.done.back(), 0.5);  // the unit that failed is not counted
 }
 
 TEST(RunUnits, ABatchThatCannotBeKeptEndsIt) {

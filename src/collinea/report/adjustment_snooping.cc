@@ -81,14 +81,15 @@ std::string snooping_section(const AdjustmentReport& report) {
   const Snooped& snooped = *report.snooped;
   std::string html = fmt::format(
       "<section><h2>Data snooping</h2>\n<p>{} observations were rejected in {} adjustments; sigma 0 with all of them "
-      "was {:.3f}.{}{} Blunder: measured minus what the adjustment without it says. Drawn: by how much the adjusted "
-      "value followed it while it took part.</p>\n",
+      "was {:.3f}.{}{} Gross error: measured minus what the adjustment without it says. Influence: by how much the "
+      "adjusted value followed it while it took part.</p>\n",
       snooped.rejected.size(), snooped.rounds, snooped.sigma0_before,
       snooped.finished ? "" : " More are suspect: the bound was reached.",
-      snooped.put_back > 0 ? fmt::format(" {} that another blunder had spoilt came back.", snooped.put_back) : "");
+      snooped.put_back > 0 ? fmt::format(" {} that another gross error had spoilt came back.", snooped.put_back) : "");
   if (!snooped.rejected.empty()) {
     html +=
-        "<table><thead><tr><th class=\"l\">observation</th><th class=\"l\">coordinate</th><th>w</th><th>blunder</th>"
+        "<table><thead><tr><th class=\"l\">observation</th><th class=\"l\">coordinate</th><th>w</th><th>gross "
+        "error</th>"
         "<th>&sigma;</th><th>influence</th><th class=\"l\">unit</th><th>redundancy</th></tr></thead><tbody>\n";
     for (std::size_t i = 0; i < std::min(kMostRows, snooped.rejected.size()); ++i) {
       const Rejected& rejected = snooped.rejected[i];
@@ -161,9 +162,7 @@ std::string rejected_csv(const Snooped& snooped) {
   std::string text = "observation,coordinate,unit,w,gross_error,sigma,influence,redundancy,as_pair,adjustment\n";
   const auto value = [](double x) { return std::isfinite(x) ? fmt::format(",{:.10g}", x) : std::string(","); };
   for (const Rejected& rejected : snooped.rejected) {
-    std::string name;
-    for (const char c : name_of(rejected, snooped.block)) name += c == '"' ? std::string("\"\"") : std::string(1, c);
-    text += fmt::format("\"{}\",{},{}", name, axis_of(rejected), unit(rejected));
+    text += fmt::format("{},{},{}", in_quotes(name_of(rejected, snooped.block)), axis_of(rejected), unit(rejected));
     for (const double x :
          {rejected.w, stated_in_unit(rejected, rejected.gross_error[rejected.axis]),
           stated_in_unit(rejected, rejected.sigma), stated_in_unit(rejected, rejected.influence), rejected.redundancy})

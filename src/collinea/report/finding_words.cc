@@ -204,8 +204,7 @@ std::string words_of_positions(const Words& w) {
     case C::kAttitudesUnused:
       return "The block has no position on Earth to which attitudes could refer: they are not used.";
     case C::kShiftUnused:
-      return "No control point separates a shift of the positions from the position of the block: they are taken as "
-             "they are.";
+      return "No control point separates a shift of the positions from one of the block: they are taken as measured.";
     default:
       return "";
   }
@@ -259,7 +258,7 @@ std::string words_of_datum(const Words& w) {
     case C::kDatumDefect:
       return datum_defect_words(w);
     case C::kLocalGauge:
-      return "Positions and control do not fix the position of the block (fewer than three, or all on one line): local "
+      return "Positions and control do not fix where the block lies (fewer than three, or all on one line): local "
              "gauge.";
     case C::kPositionsOnLine:
       return "Positions of images lie on one line: the tilt across it is that of the attitudes the camera wrote, good "
@@ -477,7 +476,7 @@ std::string words_of_orientation(const Words& w) {
     case C::kInstrument:
       return instrument_words(w);
     case C::kInstrumentsMore:
-      return "There are " + w.counted(F::kCount, "shift") + " and drifts of other strips.";
+      return "Shifts and drifts of other strips that are not listed: " + w.whole(F::kCount) + ".";
     case C::kPartApart:
       return fmt::format("{} hang together but not with the block: {} ... {}.", w.counted(F::kCount, "image"),
                          w.subject(0), w.subject(1));

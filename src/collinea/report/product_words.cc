@@ -60,14 +60,6 @@ struct Thousands : std::numpunct<char> {
   std::string do_grouping() const override { return "\3"; }
 };
 
-// As nothing was made when the step is not done.
-template <class Record>
-Record outcome_in(std::span<const StepRecord> steps) {
-  for (const StepRecord& step : steps)
-    if (const auto* record = std::get_if<Record>(&step.outcome)) return *record;
-  return {};
-}
-
 std::string cells_text(const auto& raster) {
   return fmt::format("cells of {:.3g} m, {} x {}", raster.cell_m, raster.width, raster.height);
 }

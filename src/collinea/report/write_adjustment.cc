@@ -19,13 +19,6 @@ namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-// Names may hold commas and quotes.
-std::string in_quotes(std::string_view text) {
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return out + "\"";
-}
-
 std::string csv_field(double value) { return std::isfinite(value) ? fmt::format(",{:.12g}", value) : ","; }
 
 std::string cameras_csv(const AdjustmentReport& report) {

@@ -235,6 +235,7 @@ Result<> close_over_tracks(const Project& project, Matcher& matcher) {
   const TrackIndex index(tracks);
   const auto min_matches = static_cast<std::size_t>(project.settings.verify.min_inliers);
   std::vector<SharedTracks> wanted;
+  double part_before = 0.9;
   const std::vector<ImageId> images = index.images();
   for (std::size_t i = 0; i < images.size(); ++i) {
     for (SharedTracks& pair : index.shared_with_later(images[i], min_matches))
@@ -243,8 +244,9 @@ Result<> close_over_tracks(const Project& project, Matcher& matcher) {
         wanted.push_back(std::move(pair));
       }
     if (wanted.size() < kClosureBatch && i + 1 < images.size()) continue;
-    const double part = 0.9 + 0.1 * double(i) / double(images.size());
-    COLLINEA_TRY(matcher.verify_known(wanted, part, part));
+    const double part = 0.9 + 0.1 * double(i + 1) / double(images.size());
+    COLLINEA_TRY(matcher.verify_known(wanted, part_before, part));
+    part_before = part;
     wanted.clear();
   }
   return {};

@@ -41,14 +41,6 @@ void add_notes(const std::vector<StepRecord>& steps, ReportInput& input) {
   }
 }
 
-// The record among those of the steps; as nothing was made when the step is not done.
-template <class Record>
-Record outcome_in(const std::vector<StepRecord>& steps) {
-  for (const StepRecord& step : steps)
-    if (const auto* record = std::get_if<Record>(&step.outcome)) return *record;
-  return {};
-}
-
 // The files that are there.
 void add_products(const Project& project, ReportInput& input) {
   for (std::size_t i = 0; i < kProductFiles; ++i) {

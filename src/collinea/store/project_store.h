@@ -27,6 +27,14 @@ struct StepRecord {
   [[nodiscard]] std::string name() const { return std::string(step_of(outcome)); }  ///< "detect", ...
 };
 
+/// The record of a kind among those of the steps; as nothing was made when the step is not done.
+template <class Record>
+[[nodiscard]] Record outcome_in(std::span<const StepRecord> steps) {
+  for (const StepRecord& step : steps)
+    if (const auto* record = std::get_if<Record>(&step.outcome)) return *record;
+  return {};
+}
+
 using TakeTie = std::function<void(PointId id, const TiePoint& point, std::span<const Observation> observations)>;
 
 struct ProjectStoreState;

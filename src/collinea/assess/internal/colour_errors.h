@@ -8,7 +8,7 @@
 
 namespace collinea {
 
-/// Which image leads in the cells of an orthophoto: 1 + its place, 0 none. Null: not known.
+/// Which image leads in the cells of an orthophoto: 1 + its index, 0 none. Null: not known.
 using SourceReader = std::function<Result<FloatImage>(int column, int row, int width, int height)>;
 
 struct ColourErrors {

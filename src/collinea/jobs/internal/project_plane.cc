@@ -126,7 +126,7 @@ Result<FoundPlane> plane_of(const Project& project, const Block& block, const Pr
   return plane_of_region(project, product_frame, asked);
 }
 
-// On which side of the plane they stand who image its points: how often the points are seen from the side of the
+// On which side of the plane the cameras stand that see its points: how often the points are seen from the side of the
 // normal, less how often from behind.
 long seen_from_front(const Block& block, const FoundPlane& found) {
   constexpr std::size_t kLookedAt = 100;

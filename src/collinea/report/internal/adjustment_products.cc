@@ -9,6 +9,7 @@
 
 #include "collinea/block/world_frame.h"
 #include "collinea/io/opk.h"
+#include "collinea/report/internal/cells.h"
 #include "collinea/report/json_values.h"
 #include "collinea/vector/geopackage.h"
 
@@ -106,13 +107,6 @@ std::vector<ProductControl> control_of(const AdjustmentReport& report, const std
     if (one.covariance_m2) point.covariance_m2 = scale * rotation * *one.covariance_m2 * rotation.transpose();
   }
   return control;
-}
-
-// Names may hold commas and quotes.
-std::string in_quotes(std::string_view text) {
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return out + "\"";
 }
 
 std::string field(double value) { return std::isfinite(value) ? fmt::format(",{:.12g}", value) : ","; }

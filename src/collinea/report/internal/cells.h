@@ -14,4 +14,7 @@ namespace collinea {
 /// A signed difference; marked when it exceeds three of its standard deviations.
 [[nodiscard]] std::string difference_cell(double value, double sigma, int decimals);
 
+/// A text as a field of a table of commas (RFC 4180), in quotes: names may hold commas and quotes.
+[[nodiscard]] std::string in_quotes(std::string_view text);
+
 }  // namespace collinea

@@ -79,8 +79,10 @@ void add_cautions(const ReportInput& input, ReportSummary& s) {
 
 // Left out already because it could not be read: it is told with that reason.
 bool skipped(const ReportInput& input, const std::string& file) {
-  return std::any_of(input.skipped.begin(), input.skipped.end(),
-                     [&](const Finding& one) { return words_of(one.subjects.at(0), input.block) == file; });
+  return std::any_of(input.skipped.begin(), input.skipped.end(), [&](const Finding& one) {
+    const Subject& subject = one.subjects.at(0);
+    return file == (subject.image() ? input.block.images.at(*subject.image()).file : subject.name);
+  });
 }
 
 }  // namespace
