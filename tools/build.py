@@ -47,13 +47,14 @@ class Progress:
     def __init__(self, work):
         self.work, self.started, self.shown = work, time.monotonic(), 0.0
         self.terminal = sys.stdout.isatty()
-        self.done_work, self.all_work = 0, 0
+        self.done_work, self.all_work, self.missing = 0, 0, 0
 
     def finished(self, done, steps, what):
         found = re.search(r"(\S+\.o)$", what)
         self.done_work += self.work.get(found[1], 0) if found else 0
         seconds = time.monotonic() - self.started
-        share = min(self.done_work / self.all_work, 0.999) if self.all_work and done < steps else done / steps
+        most_is_new = self.all_work > 0 and self.missing > 0.6 * steps  # else what is out of date would not be counted
+        share = min(self.done_work / self.all_work, 0.999) if most_is_new and done < steps else done / steps
         left = f"about {clock(seconds * (1 - share) / share)} left" if share > 0.02 and seconds > 5 else "how long: soon known"
         text = f"   building: {100 * share:3.0f} %, step {done} of {steps}, {clock(seconds)} gone, {left if done < steps else 'done'}"
         if self.terminal:
@@ -81,7 +82,7 @@ def main():
     folder = str(ROOT / "build" / args.preset)
     progress = Progress(work_of_objects(folder))
     missing = missing_objects(folder, args.targets)
-    progress.all_work = sum(progress.work.get(name, 0) for name in missing) if len(missing) > 20 else 0
+    progress.all_work, progress.missing = sum(progress.work.get(name, 0) for name in missing), len(missing)
     with subprocess.Popen(["ninja", "-C", folder, "-j", str(args.jobs), *args.targets], stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, text=True, env={**os.environ, "NINJA_STATUS": "@@%f/%t "}) as ninja:
         for line in ninja.stdout:
