@@ -31,6 +31,9 @@ endfunction()
 # Lets a target take over a precompiled header, and compiles its files in groups where no name of one is a word of another.
 # Files compiled once for each processor by Highway read themselves again and again: they stay alone and read their own headers.
 function(collinea_fast_build target precompiled)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")  # looks for free memory of its own only beyond 1 GB: a tenth of its time, for 0.2 GB more
+    target_compile_options(${target} PRIVATE "SHELL:--param ggc-min-heapsize=1000000")
+  endif()
   if(COLLINEA_PRECOMPILED)
     target_precompile_headers(${target} REUSE_FROM ${precompiled})
     set(kernels ${ARGN})

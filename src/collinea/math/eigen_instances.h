@@ -11,6 +11,7 @@
 namespace collinea::instances {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
+using Matrix23 = Eigen::Matrix<double, 2, 3>;
 }  // namespace collinea::instances
 
 namespace Eigen {
@@ -22,6 +23,8 @@ COLLINEA_EIGEN_INSTANCE LDLT<collinea::instances::Matrix6>& LDLT<collinea::insta
 COLLINEA_EIGEN_INSTANCE LDLT<MatrixXd>& LDLT<MatrixXd>::compute(const EigenBase<MatrixXd>&);
 COLLINEA_EIGEN_INSTANCE void LDLT<MatrixXd>::_solve_impl_transposed<true>(const VectorXd&, VectorXd&) const;
 
+COLLINEA_EIGEN_INSTANCE SelfAdjointEigenSolver<Matrix2d>& SelfAdjointEigenSolver<Matrix2d>::compute(
+    const EigenBase<Matrix2d>&, int);
 COLLINEA_EIGEN_INSTANCE SelfAdjointEigenSolver<Matrix3d>& SelfAdjointEigenSolver<Matrix3d>::compute(
     const EigenBase<Matrix3d>&, int);
 COLLINEA_EIGEN_INSTANCE SelfAdjointEigenSolver<collinea::instances::Matrix7>&
@@ -30,6 +33,10 @@ COLLINEA_EIGEN_INSTANCE SelfAdjointEigenSolver<MatrixXd>& SelfAdjointEigenSolver
     const EigenBase<MatrixXd>&, int);
 
 COLLINEA_EIGEN_INSTANCE JacobiSVD<Matrix3d>& JacobiSVD<Matrix3d>::compute(const Matrix3d&, unsigned int);
+COLLINEA_EIGEN_INSTANCE JacobiSVD<MatrixXd>& JacobiSVD<MatrixXd>::compute(const MatrixXd&, unsigned int);
+// Quaterniond::FromTwoVectors, for opposite directions.
+COLLINEA_EIGEN_INSTANCE JacobiSVD<collinea::instances::Matrix23>& JacobiSVD<collinea::instances::Matrix23>::compute(
+    const collinea::instances::Matrix23&, unsigned int);
 
 }  // namespace Eigen
 
