@@ -6,10 +6,11 @@
 # and from what earlier calls found worth keeping. An input may take 10 seconds and 1 GiB. Calls add up: build/fuzz/runs
 # holds what each target has done; a finding ends the call, its input lies in build/fuzz/found/TARGET, and the count begins
 # anew. A target that has them all reads its whole corpus again with a search for leaks, which costs too much for every
-# input. Prints a line for each target. Needs clang and libclang-rt-dev.
+# input. Prints a line for each target. COLLINEA_FUZZ_PARTS: processes that share a target's inputs (1);
+# COLLINEA_FUZZ_NO_BUILD: takes the fuzzer that is there. Needs clang and libclang-rt-dev.
 set -eu
 cd "$(dirname "$0")/.."
-wanted=${1:-all}; runs=${2:-1000000}; seconds=${3:-0}
+wanted=${1:-all}; runs=${2:-1000000}; seconds=${3:-0}; parts=${COLLINEA_FUZZ_PARTS:-1}
 [ -n "${COLLINEA_FUZZ_NO_BUILD:-}" ] || { cmake --preset fuzz --log-level=WARNING; cmake --build --preset fuzz --target collinea_fuzz; }
 fuzzer=$PWD/build/fuzz/bin/collinea_fuzz
 export UBSAN_OPTIONS=print_stacktrace=1
@@ -20,11 +21,11 @@ trap 'rm -rf "$TMPDIR"' EXIT
 
 total() { awk "$1" "build/fuzz/runs/$target"; }  # over all calls: runs, seconds, peak MB
 
-# The fuzzer's inputs and time of this call, without those that it read only to begin.
+# One process's inputs and time of this call, without those that it read only to begin.
 note_runs() {
-  stat() { sed -n "s/^stat::$1: *//p" "$log" | tail -1; }
-  local executed=$(stat number_of_executed_units) begun=$(sed -n 's/^#\([0-9]*\)\tINITED.*/\1/p' "$log" | tail -1)
-  echo "$((${executed:-0} - ${begun:-0})) $(($(date +%s) - began)) $(stat peak_rss_mb)" >> "build/fuzz/runs/$target"
+  stat() { sed -n "s/^stat::$1: *//p" "$2" | tail -1; }
+  local executed=$(stat number_of_executed_units "$1") begun=$(sed -n 's/^#\([0-9]*\)\tINITED.*/\1/p' "$1" | tail -1)
+  echo "$((${executed:-0} - ${begun:-0})) $(($(date +%s) - began)) $(stat peak_rss_mb "$1")" >> "build/fuzz/runs/$target"
 }
 
 fuzz() {
@@ -41,14 +42,17 @@ fuzz() {
   local options=(-timeout=10 -rss_limit_mb=1024 -max_len=$((longest < 512 ? 1024 : 2 * longest)) "-artifact_prefix=$found/")
   local left=$((runs - $(total '{n += $1} END {print n + 0}'))) began=$(date +%s)
   if [ "$left" -gt 0 ]; then
-    left=$((left + $(find "$work" "${known[@]}" -type f | wc -l) + 1))
-    if ASAN_OPTIONS=$sanitizer:detect_leaks=0 "$fuzzer" "${options[@]}" -runs="$left" -max_total_time="$seconds" \
-        -print_final_stats=1 "$work" "${known[@]}" > "$log" 2>&1; then note_runs
-    else
-      local status=$?; note_runs
-      [ "$status" -ne 72 ] || { echo "$target: interrupted" >&2; exit 130; }
-      verdict="FOUND, see $log"
-    fi
+    left=$(((left + parts - 1) / parts + $(find "$work" "${known[@]}" -type f | wc -l) + 1))
+    local part status=0 processes=()
+    for part in $(seq "$parts"); do
+      ASAN_OPTIONS=$sanitizer:detect_leaks=0 "$fuzzer" "${options[@]}" -runs="$left" -max_total_time="$seconds" \
+          -print_final_stats=1 "$work" "${known[@]}" > "$log.$part" 2>&1 & processes+=($!)
+    done
+    for part in $(seq "$parts"); do
+      wait "${processes[part - 1]}" || { status=$?; verdict="FOUND, see $log.$part"; }
+      note_runs "$log.$part"
+    done
+    [ "$status" -ne 72 ] || { echo "$target: interrupted" >&2; exit 130; }
   fi
   if [ -z "$verdict" ] && [ "$(total '{n += $1} END {print n + 0}')" -ge "$runs" ]; then
     if ASAN_OPTIONS=$sanitizer:detect_leaks=1 "$fuzzer" "${options[@]}" -runs=0 "$work" "${known[@]}" > "$log.leaks" 2>&1
