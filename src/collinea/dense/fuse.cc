@@ -25,7 +25,7 @@ constexpr std::size_t kStripsAtOnce = 4;  // for each thread: their points and m
 constexpr std::size_t kMostNeighbours = 20;
 constexpr double kFramePx = 6;            // at the border of an image little is measured
 constexpr double kSharedSource = 8;       // in so many maps depths of one point have as much in common as of their own
-constexpr double kSamePositionPx = 0.63;  // smaller: places are written twice; larger: gaps where one image takes over
+constexpr double kSamePositionPx = 0.63;  // smaller: points are written twice; larger: gaps where one image takes over
 constexpr double kRoughReach = 2;         // sigmas, where these are larger than max_reprojection_px: rough surfaces
 constexpr double kSmallestCosine = 0.1;   // between ray and normal, to move a depth along the surface
 

@@ -47,7 +47,7 @@ Eigen::Matrix3d calibration(const Camera& camera) {
   return k;
 }
 
-// A tie point as matching sees it: its place on the working image and its inverse depth.
+// A tie point as matching sees it: its position on the working image and its inverse depth.
 struct DepthSample {
   double x, y, w;
 };

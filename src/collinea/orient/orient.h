@@ -21,7 +21,7 @@ struct CalibrationUsed {
 struct Orientation {
   Block block;        ///< poses, cameras as adjusted, tie points, observations; control and positions that were used
   Examined adjusted;  ///< of `block`; with covariances of poses and cameras, unless poses were held as given
-  bool georeferenced = false;                     ///< false: gauge without place, see adjusted.datum
+  bool georeferenced = false;                     ///< false: gauge without position, see adjusted.datum
   bool metric = false;                            ///< lengths are in metres: georeferenced, or scaled by distances
   bool relative_heights = false;                  ///< georeferenced in plan, but nothing told a height
   Gauge gauge;                                    ///< what fixes position, attitude and scale

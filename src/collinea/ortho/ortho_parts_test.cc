@@ -65,7 +65,7 @@ TEST(Bicubic, ReproducesAParabola) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(colour[c], value(5.8, 4.3, c), 1e-4);
 }
 
-// A tower of 133 m on a plateau hides places of it 266 m away, by lines of sight flatter than those from a pit that the
+// A tower of 133 m on a plateau hides points of it 266 m away, by lines of sight flatter than those from a pit that the
 // area holds, too: what it casts over the area must not be told by these alone.
 TEST(OrthoScene, WhatIsFarAwayHidesPositionsAboveTheLowestOfTheArea) {
   HeightField surface;

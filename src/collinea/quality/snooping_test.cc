@@ -201,7 +201,7 @@ TEST(Snooping, ThreadsDoNotChangeWhatGoes) {
 
 // --- measurements on the ground, and attitudes
 
-// Exact places, then errors of everything.
+// Exact positions, then errors of everything.
 Surveyed surveyed(std::uint64_t seed) {
   testing::TestBlockOptions options{.rows = 2, .columns = 4, .points = 60, .control = 6, .seed = seed};
   Surveyed made{test_block(options), {}};

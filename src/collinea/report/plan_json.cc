@@ -142,7 +142,7 @@ std::string plan_text(const PlanReport& report) {
   text += (report.precision.adjusted.rank_defect > 0 ? "shape      " : "expected   ") + sigmas(area) +
           ": standard deviation of a well-defined point\n";
   if (report.precision.adjusted.rank_defect > 0)
-    text += "           of the shape alone: place, attitude or scale on the map are not fixed (see weak)\n";
+    text += "           of the shape alone: position, attitude or scale on the map are not fixed (see weak)\n";
   for (const Gain& gain : report.gains)
     text += "with       " + sigmas(gain.area) + ": " + words_of(gain) +
             (gain.position ? fmt::format(" at {:.1f}, {:.1f}", gain.position->x(), gain.position->y()) : "") + "\n";

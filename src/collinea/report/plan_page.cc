@@ -46,7 +46,8 @@ std::string statement(const PlanReport& report) {
   return fmt::format(
       "<div class=\"statement{}\"><p class=\"kind\">{}Expected standard deviation of a well-defined point on the "
       "ground, measured in every image that shows it</p><div class=\"axes\">{}{}</div></div>\n",
-      free ? " unverified" : "", free ? "Nothing fixes place, attitude or scale on the map: of the shape alone. " : "",
+      free ? " unverified" : "",
+      free ? "Nothing fixes position, attitude or scale on the map: of the shape alone. " : "",
       box("in plan, each axis", plan_rms(area.rms_m), area.worst_plan_m),
       box("in height", area.rms_m.z(), area.worst_height_m));
 }
@@ -86,7 +87,7 @@ std::string cautions(const PlanReport& report) {
 
 std::string maps(const PlanReport& report) {
   return "<section><h2>Flight and control</h2>\n<figure class=\"map\">" + plan_map(report) +
-         "<figcaption>Lines: flight, with the places of the images. Triangles: control; circles: check points. "
+         "<figcaption>Lines: flight, with the positions of the images. Triangles: control; circles: check points. "
          "Ellipses and "
          "bars: standard deviations (39 % of all errors in plan and 68 % in height lie within) in the scale of the "
          "legend.</figcaption></figure>\n</section><section><h2>Where it is how good</h2>\n<div class=\"pair\"><figure "
@@ -187,7 +188,7 @@ std::string trials(const PlanReport& report) {
       "<section><h2>Predicted against simulated errors</h2>\n<p>{} blocks with all errors drawn anew were adjusted. "
       "Root mean "
       "square of error over standard deviation on the map (1 is expected): east {:.3f}, north {:.3f}, height {:.3f}. "
-      "Chi-squared over its degrees of freedom: places {:.3f}, images {:.3f}{}.</p></section>\n",
+      "Chi-squared over its degrees of freedom: positions {:.3f}, images {:.3f}{}.</p></section>\n",
       t.blocks, t.cell_ratio.x(), t.cell_ratio.y(), t.cell_ratio.z(), t.cell_chi2, t.pose_chi2,
       t.cameras > 0 ? fmt::format(", camera {:.3f}", t.camera_chi2) : "");
 }

@@ -25,7 +25,7 @@ namespace collinea {
 // What each step leaves for those after it, for the report and for whoever asks: one struct a step, kept in the project
 // database and read back as that struct. Plain values; images, cameras and points by their ids in the block, lengths in
 // metres unless a member says otherwise. `kStep` is the name of the step; `fields` tells the members (packed_fields.h).
-// A new record is its struct, and a place in StepOutcome.
+// A new record is its struct, and an entry in StepOutcome.
 
 struct ImportRecord {
   static constexpr std::string_view kStep = "import";

@@ -148,8 +148,8 @@ TEST(Dsm, WhatGoesIsCountedOnceAndNotPartOfTheRaster) {
   EXPECT_EQ(dsm.grid.height, 600);
 }
 
-// At a place of its own sigma that is what is added; far from all it is that of the nearest ones; nothing is added
-// where there is no height.
+// At a position with a sigma of its own that is what is added; far from all it is that of the nearest ones; nothing is
+// added where there is no height.
 TEST(Dsm, SigmasKnowWhatTheOrientationLeavesOpen) {
   std::vector<SurfacePoint> points = hill(0, 0, 40, 100'000);
   std::erase_if(points, [](const SurfacePoint& p) { return std::hypot(p.position.x() - 30, p.position.y() - 10) < 5; });

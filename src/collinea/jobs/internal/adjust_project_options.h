@@ -57,9 +57,10 @@ struct AdjustProjectOptions {
                 "use control points where orient did; otherwise they are all check points"});
     visit(Field{"use_geodetic", &O::use_geodetic, "",
                 "use what was measured between control points where orient did; otherwise it is only compared"});
-    visit(Field{"given_sigmas", &O::given_sigmas, "",
-                "take the sigmas of control and the places of positions as they were given, also where orient found "
-                "them contradicted"});
+    visit(
+        Field{"given_sigmas", &O::given_sigmas, "",
+              "take the sigmas of control and the coordinates of positions as they were given, also where orient found "
+              "them contradicted"});
     visit(Field{"snoop", &O::snoop, "",
                 "take out the worst suspect and adjust again, until none is left; measurements of control that orient "
                 "took out are tried again"});

@@ -65,7 +65,7 @@ DrawnPlane drawn_plane(const fs::path& image) {
   return drawn;
 }
 
-// The RMS difference of a drawn plane to what the first of its images that shows a place has `aside` cells beside.
+// The RMS difference of a drawn plane to what the first of its images that shows a point has `aside` cells beside.
 double difference_to_images(const DrawnPlane& plane, const Block& block, const fs::path& photos, double aside) {
   double squares = 0, count = 0;
   std::map<std::string, ColourImage> images;
@@ -196,7 +196,7 @@ void PlaneOfAProject::planes_that_cannot_be_drawn_are_refused_in_words() {
   EXPECT_FALSE(fs::exists(root_ / "refused.tif"));
 }
 
-// Whether lengths are metres is what the orientation says, not whether the block has a place on the map.
+// Whether lengths are metres is what the orientation says, not whether the block has a position on the map.
 void PlaneOfAProject::a_plane_of_a_block_without_scale_says_so() {
   const fs::path local = copy("local");
   const std::string names = three_points(open_project(local, {})->store.read_block().value());

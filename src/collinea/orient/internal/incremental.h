@@ -11,7 +11,7 @@ inline constexpr double kSettledDamping = 1e-8;
 
 /// Orients as many images as hang together: an initial pair with parallax and support, then image after image by
 /// resection, intersection of new points, local and, at growing intervals, global adjustment with self-calibration and
-/// rejection of bad rays. The result lies in an arbitrary gauge. Where images are in place already, growth goes on from
+/// rejection of bad rays. The result lies in an arbitrary gauge. Where images are oriented already, growth goes on from
 /// them. Images given in `exclude` stay out. Nothing was
 /// oriented: an empty reconstruction. After Schoenberger & Frahm (2016), Structure-from-motion revisited; without their
 /// camera-specific retriangulation.

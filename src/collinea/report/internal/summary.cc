@@ -38,7 +38,8 @@ std::string statement_of(const ReportInput& input, const ReportSummary& s) {
         points(s.control.points, "control"), axes_text(s.control, s.unit));
   if (input.georeferenced && s.position.points > 0)
     return fmt::format(
-        "Place and scale come from the satellite positions of the cameras alone; these fit to {} (root mean square of "
+        "Position and scale come from the satellite positions of the cameras alone; these fit to {} (root mean square "
+        "of "
         "{} "
         "images). An error common to all positions stays unseen: there is no check point.",
         axes_text(s.position, s.unit), s.position.points);

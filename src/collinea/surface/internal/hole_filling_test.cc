@@ -145,7 +145,7 @@ TEST(HoleFilling, BesideAHighWallAWideHoleIsNoRamp) {
   }
 }
 
-// What is left of it: no more than in half of the places.
+// What is left of it: no more than in half of the cells.
 TEST(HoleFilling, BesideAWallAsHighAsTheHoleIsWideRampsAreTheSmallerPart) {
   constexpr int kWidth = 20;
   int ramps = 0;

@@ -14,8 +14,8 @@
 namespace collinea {
 
 /// Small parts of a cloud that lie apart from the rest, and far below all of it or told by two images alone: mirror
-/// images in water and glass, repeated patterns that several images take for the same wrong place, and what two images
-/// make of waves and leaves at the rim of a block. Looked for in blocks of kBlock x kBlock cells.
+/// images in water and glass, repeated patterns that several images take for the same wrong position, and what two
+/// images make of waves and leaves at the rim of a block. Looked for in blocks of kBlock x kBlock cells.
 ///
 /// A part (blocks with at least kFewest points, 8 neighbours) with less than a hundredth of the points of the largest
 /// one goes when
@@ -66,7 +66,7 @@ class IsolatedComponents {
   [[nodiscard]] const Block* block_at(const BlockIndex& index) const;  // null: no points there
   [[nodiscard]] Block* block_at(const BlockIndex& index);
   template <class Visit>
-  void each_block(Visit&& visit);  // that has points: visit(place, block)
+  void each_block(Visit&& visit);  // that has points: visit(index, block)
   [[nodiscard]] std::vector<Part> parts();
   [[nodiscard]] bool is_sunken(const Part& part, const std::vector<Part>& parts, double cell_m) const;
 
