@@ -42,7 +42,7 @@ struct Crs {
   std::string wkt, name;
 };
 
-// A CRS must fit the site: it is tried at a corner of the site.
+// A CRS must fit the site: a corner of it is tried.
 Result<Crs> crs_of(const std::optional<std::string>& crs, const FlightPlan& plan) {
   if (!crs) return Crs{};
   const Eigen::Vector2d position = plan.area[0];

@@ -510,7 +510,7 @@ TEST(Orient, ImagesOfARotationAloneAreAnErrorInWords) {
   const auto found = orient(input);
   ASSERT_FALSE(found);
   EXPECT_EQ(found.error().code, Errc::kIllPosed);
-  EXPECT_NE(found.error().message.find("different areas"), std::string::npos) << found.error().message;
+  EXPECT_NE(found.error().message.find("different positions"), std::string::npos) << found.error().message;
 }
 
 TEST(Orient, ItStopsWhenAsked) {

@@ -193,8 +193,8 @@ TEST(Network, AGrossErrorIsFound) {
   }
 }
 
-// Nothing fixes the position of this block and its stations, which no image shows: all of them are in the datum of the tie points. A
-// station that an image shows, by a ray that weighs nothing, has the same covariance.
+// Nothing fixes the position of this block and its stations, which no image shows: all of them are in the datum of the
+// tie points. A station that an image shows, by a ray that weighs nothing, has the same covariance.
 TEST(Network, StationsThatNoImageShowsAreInTheDatumOfTheOthers) {
   Network made = network(2, 0.5, true);
   const auto unseen = examine(made.block, {}, tested(), kRun);

@@ -196,7 +196,7 @@ void PlaneOfAProject::planes_that_cannot_be_drawn_are_refused_in_words() {
   EXPECT_FALSE(fs::exists(root_ / "refused.tif"));
 }
 
-// Whether lengths are metres is what the orientation says, not whether the block has a position on the map.
+// Whether lengths are metres is what the orientation says, not whether the block is georeferenced.
 void PlaneOfAProject::a_plane_of_a_block_without_scale_says_so() {
   const fs::path local = copy("local");
   const std::string names = three_points(open_project(local, {})->store.read_block().value());

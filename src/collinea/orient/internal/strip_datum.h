@@ -11,7 +11,7 @@
 
 namespace collinea {
 
-/// The datum of a single strip: positions on one line fix position, scale and direction, but not the rotation about the
+/// The datum of a single strip: positions on one line fix location, scale and direction, but not the rotation about the
 /// line; that comes from the attitudes the camera wrote. Good to about a degree across the line. Nothing when fewer
 /// than half of the images have an attitude, when these contradict each other, when the positions (root mean square
 /// distance from their middle) do not reach over ten times their standard deviation, or when the line through them,

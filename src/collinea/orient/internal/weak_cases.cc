@@ -207,7 +207,7 @@ Error nothing_fits(std::span<const ImagePair> pairs) {
   return Error{
       Errc::kIllPosed,
       "no two images fit together with enough parallax: are there overlapping photographs of one scene, taken from "
-      "different areas?"};
+      "different positions?"};
 }
 
 }  // namespace collinea

@@ -39,9 +39,7 @@ std::string statement_of(const ReportInput& input, const ReportSummary& s) {
   if (input.georeferenced && s.position.points > 0)
     return fmt::format(
         "Position and scale come from the satellite positions of the cameras alone; these fit to {} (root mean square "
-        "of "
-        "{} "
-        "images). An error common to all positions stays unseen: there is no check point.",
+        "of {} images). An error common to all positions stays unseen: there is no check point.",
         axes_text(s.position, s.unit), s.position.points);
   if (input.metric && !input.georeferenced)
     return fmt::format(
