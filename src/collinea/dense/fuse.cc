@@ -139,7 +139,7 @@ std::optional<Vector3> normal_at(const DepthMap& map, const Pinhole& pinhole, in
   return -plane.normalized();
 }
 
-// Where memory was shortest: of so many maps that overlap one there was room for some; all, with it, take `bytes`.
+// Where memory was shortest: of so many maps that overlap one some fitted; all, with it, take `bytes`.
 struct Lacking {
   std::size_t room = 0, maps = 0, bytes = 0;
 };
@@ -226,7 +226,7 @@ class Fusion {
   }
 
   void state_budget() const {
-    run_.say("fuse: memory_mb = " + std::to_string(std::lround(options_.memory_mb)) + " has room for " +
+    run_.say("fuse: memory_mb = " + std::to_string(std::lround(options_.memory_mb)) + " holds " +
              std::to_string(lacking_.room) + " of the " + std::to_string(lacking_.maps) +
              " depth maps that overlap one; all of them take " +
              std::to_string(std::lround(std::ceil(double(lacking_.bytes) / 1e6))) + " MB");

@@ -375,7 +375,7 @@ Eigen::Vector3d middle_of(const Block& block) {
           sum.z() / std::max(1, heights)};
 }
 
-// Where the map's heights are told beside its CRS, and those of control beside both.
+// Where the map's heights are stated beside its CRS, and those of control beside both.
 struct Systems {
   std::string map, control;
 };

@@ -32,7 +32,7 @@ constexpr std::string_view kHead = R"(collinea-adjustment 1
 #   time_offset CAMERA S                         positions are measured later than images [s]
 #   velocity IMAGE X Y Z                         of the antenna [m/s]
 #                                                their standard deviations: 0 exact or none, - not known
-#   control NAME X Y Z SX SY SZ                  surveyed point [m]; standard deviation 0: held
+#   control NAME X Y Z SX SY SZ                  surveyed point [m]; standard deviation 0: fixed
 #   check NAME X Y Z SX SY SZ                    surveyed point that is only compared [m]
 #   control_correlation NAME XY XZ YZ            of its coordinates
 #   control_in_map, check_in_map                 the same by easting, northing and height of the georeference's CRS

@@ -102,7 +102,7 @@ TEST(Orient, NoiseOfHalfAPixelMovesCentresByAboutAPixel) {
 }
 
 // e' C^-1 e of f, cx, cy is chi-squared with three degrees of freedom: the mean of 40 lies between 1.89 and 4.44 in 999
-// of 1000 cases. With the principal point held in the middle, off by 6 and 4 px, f alone would be wrong by tens of its
+// of 1000 cases. With the principal point fixed in the middle, off by 6 and 4 px, f alone would be wrong by tens of its
 // sigmas.
 TEST(Orient, TheCameraOfASmallBlockIsAsGoodAsItsSigmasSay) {
   constexpr int kBlocks = 40;

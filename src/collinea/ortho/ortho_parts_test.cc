@@ -66,7 +66,7 @@ TEST(Bicubic, ReproducesAParabola) {
 }
 
 // A tower of 133 m on a plateau hides points of it 266 m away, by lines of sight flatter than those from a pit that the
-// area holds, too: what it casts over the area must not be told by these alone.
+// area holds, too: what it casts over the area must not be determined by these alone.
 TEST(OrthoScene, WhatIsFarAwayHidesPositionsAboveTheLowestOfTheArea) {
   HeightField surface;
   surface.grid = {0, 800, 1, 1760, 800, ""};

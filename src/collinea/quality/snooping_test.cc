@@ -32,7 +32,7 @@ testing::TestBlockOptions small(std::uint64_t seed = 1) {
       .rows = 3, .columns = 4, .points = 120, .sigma_px = 0.5, .position_sigma_m = 0.05, .control = 9, .seed = seed};
 }
 
-// Eight gross errors of 15 sigmas in different points: all are found, worst first by round, and each is told within
+// Eight gross errors of 15 sigmas in different points: all are found, worst first by round, and each is reported within
 // four of its standard deviations. Of 2000 good coordinates one exceeds the limit of 0.1 % by chance; a dozen never do.
 TEST(Snooping, TakesOutPlantedGrossErrorsAndTellsTheirSize) {
   Block block = test_block(small());

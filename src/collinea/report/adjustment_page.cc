@@ -196,7 +196,7 @@ std::string tests_section(const AdjustmentReport& report, const Reliability& tes
       tests.tested, tests.rejected, tests.limit, tests.sigma0_known ? "Baarda's w" : "Pope's tau",
       tests.false_alarm * double(tests.tested), tests.false_alarm,
       tests.unseen > 0 ? fmt::format(" {} measurements are of points that lie where their image does not see them, "
-                                     "behind it or out of its field: nothing can be said of their size, and they "
+                                     "behind it or out of its field: nothing can be stated of their size, and they "
                                      "come first.",
                                      tests.unseen)
                        : "",

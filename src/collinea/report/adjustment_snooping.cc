@@ -41,7 +41,7 @@ std::string name_of(const Rejected& rejected, const Block& block) {
   }
 }
 
-// Angles are told in degrees.
+// Angles are reported in degrees.
 bool is_angle(const Rejected& rejected) { return collinea::is_angle(rejected.group); }
 const char* unit(const Rejected& rejected) {
   return is_image_point(rejected.group) ? "px" : is_angle(rejected) ? "deg" : "m";

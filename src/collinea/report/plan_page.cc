@@ -202,7 +202,8 @@ std::string plan_page(const PlanReport& report) {
          "</h1>Planned survey: expected precision</div><p>collinea " COLLINEA_VERSION "</p></header>\n" +
          statement(report) + facts(report) + cautions(report) + maps(report) + gains(report) + check_points(report) +
          unknowns(report) + rules(report) + trials(report) +
-         "<footer>Predicted by the bundle adjustment of the planned block. Blunders, poor texture, motion blur and a "
+         "<footer>Predicted by the bundle adjustment of the planned block. Gross errors, poor texture, motion blur and "
+         "a "
          "bad "
          "camera model come on top. All figures are also in plan.json.</footer>\n</main></body></html>\n";
 }

@@ -10,7 +10,7 @@
 
 namespace collinea {
 
-/// All that is told of a planned survey.
+/// All that is reported of a planned survey.
 struct PlanReport {
   std::string title;
   std::string crs_name;  ///< empty: a local plane

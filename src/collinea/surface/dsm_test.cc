@@ -130,7 +130,7 @@ TEST(Dsm, IsolatedComponentsOfTwoImagesGo) {
   EXPECT_EQ(heights(2, 2), (std::array{2.0f, 2.5f, 3.0f}));  // a block of two images
 }
 
-// An island beyond everything, and a stray that would be an island if it were not one.
+// An isolated component beyond everything, and a stray that would be one if it were not part of it.
 TEST(Dsm, WhatGoesIsCountedOnceAndNotPartOfTheRaster) {
   Random random(6);
   std::vector<SurfacePoint> points;

@@ -30,7 +30,7 @@ struct HeightField {
 [[nodiscard]] HeightField thinned(const HeightField& field, int times);
 
 /// The same surface held unpacked on disk (RasterSpool) beside a file, for a field that is read again and again.
-/// Errors: `field` cannot be read, nothing be written there; cancelled. A full disk is told by the first read.
+/// Errors: `field` cannot be read, nothing be written there; cancelled. A full disk is reported by the first read.
 [[nodiscard]] Result<HeightField> unpacked(const HeightField& field, const std::filesystem::path& beside,
                                            const Run& run);
 

@@ -62,9 +62,9 @@ struct AdjustProjectOptions {
               "take the sigmas of control and the coordinates of positions as they were given, also where orient found "
               "them contradicted"});
     visit(Field{"snoop", &O::snoop, "",
-                "take out the worst suspect and adjust again, until none is left; measurements of control that orient "
+                "reject the worst suspect and adjust again, until none is left; measurements of control that orient "
                 "took out are tried again"});
-    visit(Field{"snoop_most", &O::snoop_most, "1", "upper bound of what snooping takes out", 1, 1000000});
+    visit(Field{"snoop_most", &O::snoop_most, "1", "upper bound of what snooping rejects", 1, 1000000});
     visit(Field{"variance_components", &O::variance_components, "",
                 "estimate the standard deviations of each group of observations, and use them"});
     visit(Part{&O::tests});

@@ -22,7 +22,7 @@ inline constexpr double kSettledDamping = 1e-8;
 [[nodiscard]] bool can_start(std::span<const ImagePair> pairs, const std::set<ImageId>& exclude);
 
 /// How a grown block is adjusted: with the noise its tie points have and, from three images on, with all camera
-/// parameters: a parameter that is held counts as exactly known, and f with its sigma pays for what it really is.
+/// parameters: a parameter that is fixed counts as exactly known, and f with its sigma pays for what it really is.
 [[nodiscard]] AdjustOptions settled_options(const Reconstruction& reconstruction, const OrientOptions& options);
 
 /// Global adjustment, rejection of bad rays and intersection of what was left, until little changes; images that keep

@@ -17,7 +17,7 @@ namespace collinea {
 struct LevelDatum {
   Similarity3 world_from_block;
   std::map<ImageId, GivenVertical> verticals;  ///< observations that keep it level in the adjustment
-  LevelSource level_by = LevelSource::kNone;   ///< what told level
+  LevelSource level_by = LevelSource::kNone;   ///< what level comes from
   double level_sigma_rad = 0;
   double rotation_sigma_rad = 0;  ///< of north, and of the scale as a part of it: by the sigmas of the positions
   std::size_t positions = 0, heights = 0;

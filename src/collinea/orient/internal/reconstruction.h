@@ -92,7 +92,7 @@ class Reconstruction {
   /// Switches off rays with large residuals and points with too small an angle. Returns how many rays went.
   int filter(double max_error_px, const Run& run);
 
-  /// Adjusts `centre` with its closest neighbours; everything else is held.
+  /// Adjusts `centre` with its closest neighbours; everything else is fixed.
   Result<> adjust_around(ImageId centre, const AdjustOptions& options, const Run& run);
   Result<Adjusted> adjust_all(const AdjustOptions& options, const AdjustScope& scope, const Run& run);
   /// The same with covariances.

@@ -49,9 +49,9 @@ class Visibility {
 
   /// `view`: index into the views. Cells without height are seen by nobody.
   [[nodiscard]] bool sees(int view, int x, int y);
-  /// As sees(), but a few hidden cells in the rim do not count (the teeth of an edge), as long as the next neighbours
-  /// are seen: better than nothing where no view sees a cell well. Along the border of a larger hidden area it is no
-  /// help.
+  /// As sees(), but a few hidden cells along the border do not count (artefacts of an edge), as long as the next
+  /// neighbours are seen: better than nothing where no view sees a cell well. Along the border of a larger hidden area
+  /// it is no help.
   [[nodiscard]] bool sees_barely(int view, int x, int y);
   /// True when only small things stand between the view and a cell (Occluders::wide_ones_hide), and its line
   /// of sight passes wide ones at two cells or more. Points beside walls are not seen by this rule either.

@@ -31,7 +31,7 @@ class WeaknessFinder {
   /// slightly stiffened matrix.
   void look_at_loose_images(Solved& solved, const Run& run);
   /// With the factor: motions of the whole that are far worse known than what fixes them, parameters of cameras that
-  /// only their weak observations determine, and motions of the images that imitate them. At most seven solutions for
+  /// only their pseudo-observations determine, and motions of the images that imitate them. At most seven solutions for
   /// the block and thirteen for each of up to three cameras.
   void look_at_correlations(const TileCholesky& factor);
   /// Images known far worse than the others.

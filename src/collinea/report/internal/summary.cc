@@ -76,7 +76,7 @@ void add_cautions(const ReportInput& input, ReportSummary& s) {
                     beyond, beyond == 1 ? "" : "s", beyond == 1 ? "s" : ""));
 }
 
-// Left out already because it could not be read: it is told with that reason.
+// Left out already because it could not be read: it is reported with that reason.
 bool skipped(const ReportInput& input, const std::string& file) {
   return std::any_of(input.skipped.begin(), input.skipped.end(), [&](const Finding& one) {
     const Subject& subject = one.subjects.at(0);
