@@ -9,6 +9,7 @@
 #include "collinea/report/internal/adjustment_findings.h"
 #include "collinea/report/internal/adjustment_products.h"
 #include "collinea/report/internal/cells.h"
+#include "collinea/report/internal/counted.h"
 #include "collinea/report/internal/page.h"
 #include "collinea/report/internal/svg.h"
 #include "collinea/report/value_words.h"
@@ -141,9 +142,8 @@ std::string folded_table(const AdjustmentReport& report, const Folded& folded) {
       folded.folds);
   for (const bool height : {false, true})
     if (const LeftOutRms rms = rms_of(folded.points, height); rms.points > 0)
-      html +=
-          fmt::format("{}: root mean square {:.{}f} m over {} points, predicted {:.{}f} m. ",
-                      height ? "Height" : "Plan", rms.difference_m, kDecimals, rms.points, rms.predicted_m, kDecimals);
+      html += fmt::format("{}: root mean square {:.{}f} m over {}, predicted {:.{}f} m. ", height ? "Height" : "Plan",
+                          rms.difference_m, kDecimals, counted(rms.points, "point"), rms.predicted_m, kDecimals);
   html += "</p>\n" + head({"point", "part", "east [m]", "north [m]", "height [m]", "&sigma; east", "&sigma; north",
                            "&sigma; height"});
   for (std::size_t k = 0; k < folded.points.size(); ++k) {
@@ -189,16 +189,17 @@ std::string test_rows(const std::vector<TestedObservation>& observations, const 
 
 std::string tests_section(const AdjustmentReport& report, const Reliability& tests) {
   std::string html = fmt::format(
-      "<section><h2>Suspected blunders</h2>\n<p>Of {} observations {} exceed the limit {:.2f} of {}; about {:.0f} "
-      "would "
-      "do so by chance (level {:g}). Test again after taking out the worst, which comes first: one blunder spoils its "
-      "neighbours, and some of them may have a larger w.{}{}</p>\n",
-      tests.tested, tests.rejected, tests.limit, tests.sigma0_known ? "Baarda's w" : "Pope's tau",
-      tests.false_alarm * double(tests.tested), tests.false_alarm,
-      tests.unseen > 0 ? fmt::format(" {} measurements are of points that lie where their image does not see them, "
-                                     "behind it or out of its field: nothing can be stated of their size, and they "
-                                     "come first.",
-                                     tests.unseen)
+      "<section><h2>Suspected gross errors</h2>\n<p>Of {} {} {} the limit {:.2f} of {}; about {:.0f} would do so by "
+      "chance "
+      "(level {:g}). Test again after rejecting the worst, which comes first: one gross error spoils its neighbours, "
+      "and some of them may have a larger w.{}{}</p>\n",
+      counted(tests.tested, "observation"), tests.rejected, tests.rejected == 1 ? "exceeds" : "exceed", tests.limit,
+      tests.sigma0_known ? "Baarda's w" : "Pope's tau", tests.false_alarm * double(tests.tested), tests.false_alarm,
+      tests.unseen > 0 ? fmt::format(" {} of points that lie where {} image does not see them, behind it or out of its "
+                                     "field: nothing can be stated of {} size, and {} first.",
+                                     counted(tests.unseen, "measurement") + (tests.unseen == 1 ? " is" : " are"),
+                                     tests.unseen == 1 ? "its" : "their", tests.unseen == 1 ? "its" : "their",
+                                     tests.unseen == 1 ? "it comes" : "they come")
                        : "",
       tests.suspects.size() > kMostRows ? " The worst are shown; suspects.csv has more." : "");
   if (!tests.suspects.empty()) html += test_rows(tests.suspects, report.block, tests.limit);

@@ -78,8 +78,9 @@ std::string cautions(const PlanReport& report) {
     html += "<li>" + escaped(what_of(weak, report.precision.planned.block)) +
             "<br>Remedy: " + escaped(remedy_of(weak)) + "</li>\n";
   if (report.precision.area.empty > 0)
-    html += fmt::format("<li>{} of {} cells of the map are seen in fewer than two images.</li>\n",
-                        report.precision.area.empty, report.precision.area.cells);
+    html += fmt::format("<li>{} of {} cells of the map {} seen in fewer than two images.</li>\n",
+                        report.precision.area.empty, report.precision.area.cells,
+                        report.precision.area.empty == 1 ? "is" : "are");
   for (const Custom& custom : report.customs)
     if (!custom.kept) html += "<li>Against custom: not " + escaped(words_of(custom.what)) + ".</li>\n";
   return html.empty() ? "" : "<h2>What the block would determine badly</h2><ul class=\"cautions\">" + html + "</ul>\n";
