@@ -63,7 +63,7 @@ struct AdjustProjectOptions {
               "them contradicted"});
     visit(Field{"snoop", &O::snoop, "",
                 "reject the worst suspect and adjust again, until none is left; measurements of control that orient "
-                "took out are tried again"});
+                "rejected are tried again"});
     visit(Field{"snoop_most", &O::snoop_most, "1", "upper bound of what snooping rejects", 1, 1000000});
     visit(Field{"variance_components", &O::variance_components, "",
                 "estimate the standard deviations of each group of observations, and use them"});

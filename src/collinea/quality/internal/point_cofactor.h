@@ -20,8 +20,8 @@ class PointSystem {
 
   /// A ray in an image of the problem, or (image < 0) in one whose pose and camera are exact.
   void add(const LinearRay& linear, int image, const State& state);
-  /// After the last ray. Fixed points have no unknowns of their own; those that keep theirs have them from row `joined`
-  /// of the global parameters on (-1: the point is eliminated).
+  /// After the last ray. Fixed points have no unknowns of their own; those that keep theirs have them from row
+  /// `first_retained` of the global parameters on (-1: the point is eliminated).
   void close(bool is_fixed, const ControlCoordinates* control, const double* position, int first_retained = -1);
 
   /// V^-1 b, V being the point's own normal matrix.
