@@ -187,20 +187,25 @@ std::string test_rows(const std::vector<TestedObservation>& observations, const 
   return html + "</tbody></table>\n";
 }
 
+std::string words_of_unseen(std::size_t count) {
+  if (count == 0) return "";
+  if (count == 1)
+    return " 1 measurement is of a point that lies where its image does not see it, behind it or out of its field: "
+           "nothing can be stated of its size, and it comes first.";
+  return fmt::format(
+      " {} measurements are of points that lie where their image does not see them, behind it or out of its field: "
+      "nothing can be stated of their size, and they come first.",
+      count);
+}
+
 std::string tests_section(const AdjustmentReport& report, const Reliability& tests) {
   std::string html = fmt::format(
       "<section><h2>Suspected gross errors</h2>\n<p>Of {} {} {} the limit {:.2f} of {}; about {:.0f} would do so by "
-      "chance "
-      "(level {:g}). Test again after rejecting the worst, which comes first: one gross error spoils its neighbours, "
-      "and some of them may have a larger w.{}{}</p>\n",
+      "chance (level {:g}). Test again after rejecting the worst, which comes first: one gross error spoils its "
+      "neighbours, and some of them may have a larger w.{}{}</p>\n",
       counted(tests.tested, "observation"), tests.rejected, tests.rejected == 1 ? "exceeds" : "exceed", tests.limit,
       tests.sigma0_known ? "Baarda's w" : "Pope's tau", tests.false_alarm * double(tests.tested), tests.false_alarm,
-      tests.unseen > 0 ? fmt::format(" {} of points that lie where {} image does not see them, behind it or out of its "
-                                     "field: nothing can be stated of {} size, and {} first.",
-                                     counted(tests.unseen, "measurement") + (tests.unseen == 1 ? " is" : " are"),
-                                     tests.unseen == 1 ? "its" : "their", tests.unseen == 1 ? "its" : "their",
-                                     tests.unseen == 1 ? "it comes" : "they come")
-                       : "",
+      words_of_unseen(tests.unseen),
       tests.suspects.size() > kMostRows ? " The worst are shown; suspects.csv has more." : "");
   if (!tests.suspects.empty()) html += test_rows(tests.suspects, report.block, tests.limit);
   html += "</section>\n";
