@@ -187,7 +187,7 @@ std::string test_rows(const std::vector<TestedObservation>& observations, const 
   return html + "</tbody></table>\n";
 }
 
-std::string words_of_unseen(std::size_t count) {
+std::string words_of_unseen(long count) {
   if (count == 0) return "";
   if (count == 1)
     return " 1 measurement is of a point that lies where its image does not see it, behind it or out of its field: "
