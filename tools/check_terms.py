@@ -1,8 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Finds retired words in the identifiers of the source: one word for one thing, and it is the one of the field. Prints each
-with the word to use; fails when there is any. Names of tests are sentences and are not looked at, nor are comments and texts,
-except for the words of SENTENCES; names of files in docs/theory must be those of files."""
+"""Finds retired words: one word for one thing, and it is the one of the field. Prints each with the word to use; fails when
+there is any. Three things are looked over:
+- identifiers of the source, whole and in parts (PARTS, WITHIN). Names of tests are sentences and are not looked at;
+- comments and texts of the source, README.md, ARCHITECTURE.md, docs/manual and docs/theory, for PHRASES: only those which have
+  no other meaning here, also where a line breaks within one. What reads well in one sentence and not in another (a place, what
+  is said, a room) is for readers to find. docs/decisions are history and stay as they were written;
+- names of files in docs/theory: they must be those of files."""
 import pathlib, re, sys
 
 # A part of any identifier (snake_case or CamelCase).
@@ -23,9 +27,16 @@ WITHIN = {
     },
 }
 ALLOWED = {"in_place_index", "in_place_type", "in_place", "transposeInPlace"}
-SENTENCES = {"foretold": "predicted", "goes astray": "diverges"}
+# Regular expressions of whole words; a blank stands for any blanks, line breaks and signs of comments.
+PHRASES = {
+    r"foretold|foretell(s|ing)?": "predicted, predict", r"(goes|go|went|gone) astray": "diverges", r"specks?": "speckles", r"cure[sd]?": "remedy",
+    r"(taken|takes|took|taking) out": "rejected, removed", r"hinges?": "articulation images", r"soundings?": "depth samples", r"false rims?": "foreground fattening",
+    r"least (detectable )?blunders?": "minimal detectable bias", r"weak observations?": "pseudo-observations, prior", r"made nothing": "skipped",
+    r"held fixed": "fixed", r"(is|are|was|were) told(?! (apart|from))": "reported, stated", r"without (a )?place": "without georeference",
+}
 TOKEN = re.compile(
     r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:[^"\\\n]|\\.)*"|(?<![0-9a-fA-F])\'(?:[^\'\\\n]|\\.)+\'|\b(?:TYPED_)?TEST(?:_[FP])?\([^)]*\)|#\s*include[^\n]*|[A-Za-z_]\w*', re.S)
+PHRASE = {re.compile(r"\b(" + phrase.replace(" ", r"(?:\s|//[/<]?)+") + r")\b", re.I): instead for phrase, instead in PHRASES.items()}
 PART = re.compile(r"(?<![a-z])(" + "|".join(sorted(PARTS, key=len, reverse=True)) + r")(?![a-z])")
 
 
@@ -46,11 +57,20 @@ def retired(module, path):
                 found = within[token]
             elif part and token not in ALLOWED:
                 found = PARTS[part[1]]
-        elif token.startswith(('"', 'R"')):
-            token = next((word for word in SENTENCES if word in token), None)
-            found = SENTENCES.get(token)
         if found:
             yield source.count("\n", 0, match.start()) + 1, token, found
+
+
+def phrases(path):
+    """(line, phrase, what to say instead) in the comments and texts of a source, or in a page."""
+    text = path.read_text()
+    for phrase, instead in PHRASE.items():
+        for match in phrase.finditer(text):
+            yield text.count("\n", 0, match.start()) + 1, " ".join(match[0].split()), instead
+
+
+def pages(top):
+    return [top / "README.md", top / "ARCHITECTURE.md", *(top / "docs" / "manual").glob("*.md"), *(top / "docs" / "theory").glob("*.md")]
 
 
 def missing_files(top):
@@ -63,14 +83,15 @@ def missing_files(top):
 
 
 if __name__ == "__main__":
-    root = pathlib.Path(__file__).resolve().parent.parent / "src" / "collinea"
-    count = 0
-    for path in sorted(root.rglob("*.[hc]*")):
-        for line, word, instead in retired(path.relative_to(root).parts[0], path):
-            print(f"{path.relative_to(root)}:{line}: {word}: {instead}")
-            count += 1
-    for page, name in missing_files(root.parent.parent):
+    top = pathlib.Path(__file__).resolve().parent.parent
+    root = top / "src" / "collinea"
+    sources = sorted(root.rglob("*.[hc]*"))
+    found = [(path, *one) for path in sources for one in retired(path.relative_to(root).parts[0], path)]
+    found += [(path, *one) for path in sources + sorted(pages(top)) for one in phrases(path)]
+    for path, line, word, instead in found:
+        print(f"{path.relative_to(top)}:{line}: {word}: {instead}")
+    missing = list(missing_files(top))
+    for page, name in missing:
         print(f"{page.name}: {name}: there is no such file")
-        count += 1
-    print(f"{count} retired words in identifiers, and names of files that are gone in docs/theory")
-    sys.exit(count > 0)
+    print(f"{len(found)} retired words, {len(missing)} names of files that are gone in docs/theory")
+    sys.exit(bool(found or missing))

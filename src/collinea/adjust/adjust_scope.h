@@ -28,7 +28,7 @@ struct AdjustScope : Instruments {
   std::set<ImageId> fixed_images;    ///< fixed even if free otherwise
   std::set<CameraId> fixed_cameras;  ///< not calibrated
   std::set<PointId> fixed_points;    ///< tie points that stay where they are
-  /// The cameras as they were before any adjustment: the values of the weak observations below. A camera that is not
+  /// The cameras as they were before any adjustment: the values of the pseudo-observations below. A camera that is not
   /// named counts as it stands in the block.
   std::map<CameraId, Camera> first_cameras;
   std::map<CameraId, CameraSigmas> camera_sigmas;  ///< of cameras that are not calibrated as the options say

@@ -29,9 +29,9 @@ namespace collinea {
 /// A control point with the sigmas 0 is fixed where it is given. Where only some axes have the sigma 0, these get a
 /// thousandth of what one measured pixel is on the ground at the point.
 ///
-/// Datum: a part of the block whose place, attitude or scale nothing fixes keeps them: every step is orthogonal to the
-/// motions that no observation sees (inner constraints over up to eight images spread over the part). Residuals do not
-/// depend on that choice.
+/// Datum: a part of the block whose position, attitude or scale nothing fixes keeps them: every step is orthogonal to
+/// the motions that no observation sees (inner constraints over up to eight images spread over the part). Residuals do
+/// not depend on that choice.
 ///
 /// Points with fewer than two rays (one for fixed points and for control known on three axes) and images with fewer
 /// than three measured points take no part, nor do measurements on the ground to such points; but points that these

@@ -51,7 +51,7 @@ TEST(Adjust, SelfCalibrationFindsTheCamera) {
   Camera first = ideal_camera(1540, 2000, 1500);
   first.prior.sigma_f_px = 1e6;
   start.cameras.begin()->second = first;
-  for (auto& observation : start.observations) observation.sigma_px = 1e-4;  // the weak observations shall not count
+  for (auto& observation : start.observations) observation.sigma_px = 1e-4;  // the pseudo-observations shall not count
   for (auto& observation : start.control_observations) observation.sigma_px = 1e-4;
   for (auto& [id, point] : start.control) point.sigma_m.setConstant(1e-6);
   const auto adjusted = adjust(start, {}, plain(Calibration::kBrown), kRun);
@@ -191,7 +191,7 @@ TEST(Adjust, ACameraAloneIsAdjustedToTheEnd) {
   camera.prior.sigma_f_px = 1e6;
   camera.params[Camera::kF] += 200;
   camera.params[Camera::kK1] = camera.params[Camera::kK2] = 0;
-  for (Observation& seen : start.observations) seen.sigma_px = 1e-3;  // the weak observations shall not count
+  for (Observation& seen : start.observations) seen.sigma_px = 1e-3;  // the pseudo-observations shall not count
   const auto adjusted = adjust(start, scope, {}, kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_TRUE(adjusted->converged);

@@ -26,7 +26,7 @@ std::vector<int> free_params(Calibration calibration) {
   bug("a calibration without parameters");
 }
 
-// Standard deviations of the weak observations of calibration.
+// Standard deviations of the pseudo-observations of calibration.
 double weak_sigma(const Camera& camera, int param) {
   switch (param) {
     case Camera::kF:

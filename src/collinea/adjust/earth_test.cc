@@ -21,7 +21,7 @@ struct Flight {
   int strips = 2;
 };
 
-// Looks down along the plumb line of its own place.
+// Looks down along the plumb line of its own position.
 Rigid3 nadir_pose(const LocalFrame& frame, const Eigen::Vector3d& map, Random& random) {
   const Eigen::Vector3d centre = frame.local_from_map(map);
   const Eigen::Vector3d down = (frame.local_from_map(map - Eigen::Vector3d(0, 0, 1000)) - centre).normalized();

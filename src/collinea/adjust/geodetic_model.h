@@ -24,8 +24,8 @@ namespace collinea {
 }
 
 /// The frame of the shape that fits points best; all its unknowns then are zero, but for a common height, which counts
-/// from the world's origin. Nothing: they are too few, or do not determine it (all in one place; of a plane also all on
-/// one line: across it they reach less than a thousandth of its length).
+/// from the world's origin. Nothing: they are too few, or do not determine it (all at one position; of a plane also all
+/// on one line: across it they reach less than a thousandth of its length).
 [[nodiscard]] std::optional<GeodeticShape> shape_through(GeodeticKind kind, const std::vector<Eigen::Vector3d>& points);
 
 /// How far a point is off the shape, along what observations of it are measured: upwards, along the normal, or across

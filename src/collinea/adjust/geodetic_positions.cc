@@ -84,7 +84,7 @@ class PositionFinder {
     return its == positions_.end() ? nullptr : &its->second;
   }
 
-  // Its orientation and place: a turn about the plumb line and a shift.
+  // Its orientation and position: a rotation about the plumb line and a shift.
   bool locate_station(const SetUp& setup) {
     std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> pairs;  // as seen from there, in the world
     Eigen::Vector3d middle = Eigen::Vector3d::Zero(), middle_there = middle;

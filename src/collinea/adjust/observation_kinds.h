@@ -16,7 +16,7 @@
 
 namespace collinea::bundle {
 
-/// All kinds of observations. A new kind is its file, its place here and in each order below, and its table in Problem.
+/// All kinds of observations. A new kind is its file, an entry here and in each order below, and its table in Problem.
 using ObservationKinds =
     std::tuple<ImagePoint, GnssPosition, Vertical, CameraPrior, AuxiliaryPrior, ControlCoordinate, Geodetic, Attitude>;
 

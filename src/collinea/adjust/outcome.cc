@@ -87,7 +87,7 @@ double squares_of(const Problem& problem, const State& state, RobustSquares& rob
   return Kind::kIsRobust ? robust.squares() : sum;
 }
 
-// The sight lines of a control point in the images that take part or are fixed, with their places in
+// The sight lines of a control point in the images that take part or are fixed, with their indices in
 // Block::control_observations. What the adjustment left out stands where it happened to be.
 std::vector<SightLine> adjusted_sight_lines(const Block& block, const Adjusted& adjusted, ControlId point,
                                             std::vector<std::size_t>& indices) {

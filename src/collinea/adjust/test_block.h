@@ -157,7 +157,7 @@ struct Marked {
   }
 };
 
-/// `move`: brings the true places of the points to where they shall be; no images are measured where they were.
+/// `move`: brings the true points to where they shall be; no images are measured where they were.
 inline Marked marked(TestBlockOptions options, int points = 9,
                      const std::function<void(std::vector<Eigen::Vector3d>&)>& move = {}) {
   const double sigma_px = options.sigma_px;

@@ -90,7 +90,7 @@ void declare(Flags& flags, Asked& asked) {
 
 Command adjust_command() {
   return console_command<Asked>(
-      "adjust", "the bundle of an oriented project again: standard deviations, tests for blunders, reliability",
+      "adjust", "the bundle of an oriented project again: standard deviations, tests for gross errors, reliability",
       declare, [](Asked& asked, Console& console) -> Result<std::string> {
         for (const auto& [name, given] : asked.given_instruments)
           if (given()) asked.options.changed_instruments.emplace(name);

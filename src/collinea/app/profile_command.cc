@@ -23,7 +23,7 @@ Command profile_command() {
       },
       [](Asked& asked, Console& console) -> Result<std::string> {
         COLLINEA_TRY(const Profile profile, draw_profile(asked.surface, asked.options, asked.folder, console.run()));
-        return fmt::format("{} places over {:.2f} m; {}\n", profile.distance_m.size(), profile.distance_m.back(),
+        return fmt::format("{} positions over {:.2f} m; {}\n", profile.distance_m.size(), profile.distance_m.back(),
                            (std::filesystem::path(asked.folder) / "profile.html").string());
       });
 }

@@ -22,8 +22,8 @@ namespace collinea {
 /// Removes a file, if it is there. Errors: it stays.
 Result<> remove_file(const std::filesystem::path& path);
 
-/// A file being written under a temporary name beside its place; it takes its own name by finish(), and is removed when
-/// that never comes. Write errors are remembered and told by finish().
+/// A file being written under a temporary name beside its final path; it takes its own name by finish(), and is removed
+/// when that never comes. Write errors are remembered and reported by finish().
 class OutputFile {
  public:
   /// Errors: the folder is missing and cannot be made, or is not writable.

@@ -103,7 +103,7 @@ enum class FindingCode : std::uint8_t {
   // What orientation did
   kFewFitGiven,             ///< few tie points fit poses as given
   kLooseGiven,              ///< images whose given pose hardly a tie point fits
-  kAdditionalFixed,         ///< no additional parameters, because poses are held
+  kAdditionalFixed,         ///< no additional parameters, because poses are fixed
   kAdditionalUncalibrated,  ///< none, because no camera is calibrated
   kAdditionalSignificant,   ///< how many of a camera's are
   kPositionsUnused,         ///< no lever arm, shift or time offset of positions that take no part

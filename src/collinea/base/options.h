@@ -118,7 +118,7 @@ struct Field {
 template <class Owner, class T>
 Field(std::string_view, T Owner::*, std::string_view, std::string_view, double = 0, double = 0) -> Field<Owner, T>;
 
-/// Options inside others that are told among them: their fields stand beside the owner's.
+/// Options inside others that are described among them: their fields stand beside the owner's.
 template <class Owner, class T>
 struct Part {
   T Owner::*member;

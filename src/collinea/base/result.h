@@ -48,7 +48,7 @@ using Result = tl::expected<T, Error>;
   return tl::unexpected(Error{code, std::move(message), options});
 }
 
-/// A broken promise between two pieces of our own code: always a bug, never a user's mistake.
+/// A broken promise between two pieces of our own code: always a bug, never an error of the user.
 [[noreturn]] void bug(std::string_view what, std::source_location at = std::source_location::current());
 
 }  // namespace collinea

@@ -27,7 +27,7 @@ struct PositionPrior {
   Eigen::Vector3d position_in_world;  ///< [m]
   Eigen::Vector3d sigma_m;
   double latitude_deg = 0, longitude_deg = 0, height_m = 0;  ///< as the device wrote them; height ellipsoidal
-  std::optional<double> height_above_start_m;                ///< over the place of take-off, where the device says so
+  std::optional<double> height_above_start_m;  ///< over the position of take-off, where the device says so
 };
 
 /// How a camera says it was turned: Tait-Bryan angles of the optical axis as drones write them. Heading clockwise from
@@ -104,7 +104,7 @@ class PoseTable {
 
 /// All that is known of a set of overlapping images. Plain data: no pointers, no files, no hidden caches.
 struct Block {
-  std::optional<Georeference> georeference;  ///< nothing: the world frame is a gauge without place or scale on Earth
+  std::optional<Georeference> georeference;  ///< nothing: the world frame is a gauge without position or scale on Earth
   std::map<CameraId, Camera> cameras;
   std::map<ImageId, Image> images;
   PoseTable poses;

@@ -17,9 +17,9 @@ namespace collinea {
 /// A control or check point after the adjustment.
 struct ControlDifference {
   ControlId point;
-  bool used = false;      ///< it took part; false: check point, intersected from the images that took part or were held
+  bool used = false;  ///< it took part; false: check point, intersected from the images that took part or were fixed
   bool excluded = false;  ///< found wrong, it or its image measurements, and left out; then not used
-  int rays = 0;           ///< images that took part or were held and in which it was measured
+  int rays = 0;           ///< images that took part or were fixed and in which it was measured
   std::optional<Eigen::Vector3d> position_in_world;  ///< nothing when the rays do not intersect
   Eigen::Vector3d difference_m = Eigen::Vector3d::Constant(
       std::numeric_limits<double>::quiet_NaN());  ///< estimated minus given, in the world frame; NaN: not surveyed
@@ -43,7 +43,7 @@ struct ControlDifference {
   }
 };
 
-/// The position of an image against what its receiver said.
+/// The position of an image against what its receiver measured.
 struct PositionDifference {
   ImageId image;
   Eigen::Vector3d difference_m;  ///< adjusted minus given; NaN on axes that were not given

@@ -15,7 +15,7 @@ struct GivenAttitude {
   Eigen::Vector3d sigma_rad;  ///< of turns about x, y, z of the world: two of level and one of heading
 };
 
-/// From the projection centre to the antenna whose place Image::position is.
+/// From the projection centre to the antenna whose position Image::position is.
 struct LeverArm {
   Eigen::Vector3d antenna_in_cam_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();  ///< 0: exact; infinite: not known

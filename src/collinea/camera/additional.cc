@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kDegrees = 5;  // 0 to 4
 
-// Polynomials in one variable, orthogonal on places spread evenly from -1 to 1, with their derivatives.
+// Polynomials in one variable, orthogonal on positions spread evenly from -1 to 1, with their derivatives.
 struct Polynomials {
   std::array<double, kDegrees> value, slope;
 };
@@ -24,9 +24,9 @@ struct Orthogonal {
 };
 
 Orthogonal orthogonal(AdditionalSet set) {
-  if (set == AdditionalSet::kEbner) return {2, 4, 2.0 / 3, 0, 0, 0, 2};                            // 3 places
-  if (set == AdditionalSet::kGruen) return {4, 8, 0.5, 17.0 / 20, 31.0 / 28, 9.0 / 70, 10.0 / 7};  // 5 places
-  return {3, 3, 1.0 / 3, 0.6, 0, 0, 1.25};                                                         // all places
+  if (set == AdditionalSet::kEbner) return {2, 4, 2.0 / 3, 0, 0, 0, 2};                            // 3 positions
+  if (set == AdditionalSet::kGruen) return {4, 8, 0.5, 17.0 / 20, 31.0 / 28, 9.0 / 70, 10.0 / 7};  // 5 positions
+  return {3, 3, 1.0 / 3, 0.6, 0, 0, 1.25};                                                         // all positions
 }
 
 Polynomials polynomials(const Orthogonal& o, double t) {

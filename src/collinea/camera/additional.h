@@ -17,8 +17,8 @@ namespace collinea {
 enum class AdditionalSet : std::uint8_t {
   kNone,
   kPolynomial,  ///< complete polynomials of the third degree: 14
-  kEbner,       ///< Ebner (1976), products of polynomials orthogonal on 3 x 3 places: 12
-  kGruen,       ///< Gruen (1978), the same on 5 x 5 places: 44
+  kEbner,       ///< Ebner (1976), products of polynomials orthogonal on 3 x 3 positions: 12
+  kGruen,       ///< Gruen (1978), the same on 5 x 5 positions: 44
   kFourier,     ///< Tang, Fritsch and Cramer (2012), first degree: 16
 };
 inline constexpr Word<AdditionalSet> kAdditionalWords[] = {{AdditionalSet::kNone, "none"},

@@ -89,7 +89,7 @@ struct CameraCore {
 /// Whether normalized() is that of the pixel's ray.
 [[nodiscard]] bool in_plane(const Camera& camera, const Eigen::Vector2d& pixel);
 
-/// How many pixels a unit of X/Z, Y/Z is in the image at a place: the focal length of a central projection, less and
+/// How many pixels a unit of X/Z, Y/Z is in the image at a position: the focal length of a central projection, less and
 /// less towards the rim of a fisheye (the mean of along and across the radius).
 [[nodiscard]] double pixels_per_unit(const Camera& camera, const Eigen::Vector2d& normalized_xy);
 

@@ -316,8 +316,8 @@ TEST(Additional, EbnerIsThatOfHisPaper) {
   }
 }
 
-// On the places they are made for, the functions are orthogonal to each other and to what shift, turn, scale and tilts
-// of the image do; the sets are as large as the papers say.
+// At the positions they are made for, the functions are orthogonal to each other and to what shift, turn, scale and
+// tilts of the image do; the sets are as large as the papers say.
 TEST(Additional, FunctionsAreOrthogonalOnTheirPositions) {
   const std::pair<AdditionalSet, int> sets[] = {{AdditionalSet::kEbner, 3}, {AdditionalSet::kGruen, 5}};
   for (const auto& [set, side] : sets)

@@ -105,7 +105,7 @@ Result<EpipolarPair> epipolar_pair(const Camera& left, const Rigid3& left_from_w
   const Eigen::Vector3d base = centre_of(right_from_world) - centre_of(left_from_world);
   const Eigen::Vector3d forward = left_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ() +
                                   right_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-  if (!(base.norm() > 0)) return fail(Errc::kIllPosed, "the photographs were taken from the same place");
+  if (!(base.norm() > 0)) return fail(Errc::kIllPosed, "the photographs were taken from the same position");
   const Eigen::Vector3d x = base.normalized();
   const Eigen::Vector3d across = forward - x * x.dot(forward);
   if (!(across.norm() > kSteepest * forward.norm()) || !(forward.norm() > kSteepest))

@@ -30,7 +30,7 @@ struct EpipolarPair {
 
 /// The pair that two oriented images are resampled to: looking at right angles to the base, midway between the two
 /// optical axes; pixels in the middle as large as those of the images. Errors: the images were taken from the
-/// same place, look along the line between them, or have no rows in common.
+/// same position, look along the line between them, or have no rows in common.
 [[nodiscard]] Result<EpipolarPair> epipolar_pair(const Camera& left, const Rigid3& left_from_world, const Camera& right,
                                                  const Rigid3& right_from_world);
 

@@ -25,7 +25,7 @@ constexpr std::size_t kStripsAtOnce = 4;  // for each thread: their points and m
 constexpr std::size_t kMostNeighbours = 20;
 constexpr double kFramePx = 6;            // at the border of an image little is measured
 constexpr double kSharedSource = 8;       // in so many maps depths of one point have as much in common as of their own
-constexpr double kSamePositionPx = 0.63;  // smaller: places are written twice; larger: gaps where one image takes over
+constexpr double kSamePositionPx = 0.63;  // smaller: points are written twice; larger: gaps where one image takes over
 constexpr double kRoughReach = 2;         // sigmas, where these are larger than max_reprojection_px: rough surfaces
 constexpr double kSmallestCosine = 0.1;   // between ray and normal, to move a depth along the surface
 
@@ -139,7 +139,7 @@ std::optional<Vector3> normal_at(const DepthMap& map, const Pinhole& pinhole, in
   return -plane.normalized();
 }
 
-// Where memory was shortest: of so many maps that overlap one there was room for some; all, with it, take `bytes`.
+// Where memory was shortest: of so many maps that overlap one some fitted; all, with it, take `bytes`.
 struct Lacking {
   std::size_t room = 0, maps = 0, bytes = 0;
 };
@@ -226,7 +226,7 @@ class Fusion {
   }
 
   void state_budget() const {
-    run_.say("fuse: memory_mb = " + std::to_string(std::lround(options_.memory_mb)) + " has room for " +
+    run_.say("fuse: memory_mb = " + std::to_string(std::lround(options_.memory_mb)) + " holds " +
              std::to_string(lacking_.room) + " of the " + std::to_string(lacking_.maps) +
              " depth maps that overlap one; all of them take " +
              std::to_string(std::lround(std::ceil(double(lacking_.bytes) / 1e6))) + " MB");

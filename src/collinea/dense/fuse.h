@@ -29,7 +29,7 @@ struct FuseReport {
 /// weightier, look through it. The point is the weighted mean along its ray. Pixels of
 /// other maps that show a point already written are not written again. Memory: options.memory_mb of depth maps, the
 /// points of a few strips of an image and a bit per pixel of the images that overlap those already written and are
-/// still to come. When the maps that overlap one do not fit, the run is told. `colours` may be empty: points stay
+/// still to come. When the maps that overlap one do not fit, the log says so. `colours` may be empty: points stay
 /// black. Errors: kCancelled, and what store, colours and sink say.
 [[nodiscard]] Result<FuseReport> fuse(const Block& block, const TieView& ties, std::span<const ImageId> images,
                                       DepthStore& store, const ColourSource& colours, const PointSink& sink,

@@ -321,7 +321,7 @@ TEST(Fuse, TellsWhenMemoryLeavesOverlappingMapsOut) {
   const Cloud little = fused(scene, store, {.memory_mb = 10}), enough = fused(scene, store, {.memory_mb = 12});
   ASSERT_EQ(little.log.size(), 1u);
   EXPECT_EQ(little.log.front(),
-            "fuse: memory_mb = 10 has room for 5 of the 6 depth maps that overlap one; all of them take 12 MB");
+            "fuse: memory_mb = 10 holds 5 of the 6 depth maps that overlap one; all of them take 12 MB");
   EXPECT_TRUE(enough.log.empty());
 }
 

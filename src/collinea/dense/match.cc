@@ -47,7 +47,7 @@ Eigen::Matrix3d calibration(const Camera& camera) {
   return k;
 }
 
-// A tie point as matching sees it: its place on the working image and its inverse depth.
+// A tie point as matching sees it: its position on the working image and its inverse depth.
 struct DepthSample {
   double x, y, w;
 };
@@ -95,7 +95,7 @@ StartSurface start_surface(const std::vector<DepthSample>& depth_samples, double
   return best;
 }
 
-// Pixels in the neighbour per unit of inverse depth, in the middle of the soundings.
+// Pixels in the neighbour per unit of inverse depth, in the middle of the depth samples.
 double sensitivity(const Eigen::Matrix3d& h, const Eigen::Vector3d& b, const std::vector<DepthSample>& depth_samples) {
   std::vector<double> all;
   for (const DepthSample& s : depth_samples) {

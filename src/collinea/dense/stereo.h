@@ -46,7 +46,7 @@ struct StereoOptions {
                                               const Run& run);
 
 /// Fills the holes of a disparity map from the nearest values to their left and right: by the smaller disparity of the
-/// two, which is the farther surface, for hidden places lie beside what hides them. Rows with nothing at all stay
+/// two, which is the farther surface, for hidden points lie beside what hides them. Rows with nothing at all stay
 /// empty.
 void fill_disparities(FloatImage& disparity);
 

@@ -16,7 +16,7 @@
 namespace collinea {
 namespace {
 
-constexpr double kBand = 2;  // largest errors on either side of a line, or round a place
+constexpr double kBand = 2;  // largest errors on either side of a line, or round a position
 constexpr std::size_t kMatchesPerUnknown = 5;
 constexpr double kStrip_px = 128, kCell_px = 8;
 constexpr double kOnPlane = 0.95;  // of the matches: where more is off the plane, there is more to be found there
@@ -75,7 +75,7 @@ class Strips {
     found.insert(found.end(), room.begin(), room.begin() + static_cast<std::ptrdiff_t>(count));
   }
 
-  // Appends the points less than `radius_px` from a place.
+  // Appends the points less than `radius_px` from a position.
   void add_round(double across, double along, double radius_px, std::vector<std::uint32_t>& found) const {
     if (strips_ == 0) return;
     const auto part = [](double from_low, double size_px, std::size_t parts) {

@@ -12,7 +12,7 @@
 
 namespace collinea {
 
-/// For each keypoint of the first image those of the second that lie near its epipolar line, or near its place:
+/// For each keypoint of the first image those of the second that lie near its epipolar line, or near its position:
 /// candidates[begin[i]] to candidates[begin[i + 1] - 1], each once.
 struct Guide {
   std::vector<std::uint32_t> begin;  ///< one more than keypoints

@@ -30,8 +30,8 @@ struct Intersection {
 /// fewer than two lines, when they are too parallel to fix a depth, or when they meet behind a camera.
 [[nodiscard]] std::optional<Intersection> intersect(std::span<const SightLine> lines);
 
-/// The sight lines of a control point in the oriented images of the block; `places` (may be null) receives their places
-/// in Block::control_observations.
+/// The sight lines of a control point in the oriented images of the block; `indices` (may be null) receives their
+/// indices in Block::control_observations.
 [[nodiscard]] std::vector<SightLine> sight_lines(const Block& block, ControlId point,
                                                  std::vector<std::size_t>* indices = nullptr);
 

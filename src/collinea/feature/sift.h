@@ -32,7 +32,7 @@ struct SiftOptions {
 };
 
 /// Scale-invariant features (Lowe 2004) with RootSIFT descriptors (Arandjelovic and Zisserman 2012), strongest first.
-/// A keypoint's position is good to a few hundredths of a pixel of its octave; a place with two or three distinct
+/// A keypoint's position is good to a few hundredths of a pixel of its octave; a position with two or three distinct
 /// gradient directions gives as many features. A descriptor is the square root of the L1-normalised SIFT descriptor,
 /// times 512, rounded, at most 127; hence its L2 norm is about 512.
 ///

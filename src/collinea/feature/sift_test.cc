@@ -132,8 +132,9 @@ Agreement compare(double angle_rad, double scale, bool upsample) {
   return agreement;
 }
 
-// Blobs of different sizes belong to different octaves; their places are known to any fraction of a pixel. What is left
-// is the error of the quadratic, up to 0.05 pixels of the octave between four pixels, and of the rounding to bytes.
+// Blobs of different sizes belong to different octaves; their positions are known to any fraction of a pixel. What is
+// left is the error of the quadratic, up to 0.05 pixels of the octave between four pixels, and of the rounding to
+// bytes.
 TEST(Sift, BlobsAreFoundWhereTheyAreInEveryOctaveAndWithoutBias) {
   for (const bool upsample : {false, true})
     for (const double sigma_px : {2.4, 3.6, 6.0, 11.0, 20.0}) {

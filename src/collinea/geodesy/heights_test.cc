@@ -78,7 +78,7 @@ TEST_F(GeoidFile, WhatIsNoSystemOfHeightsIsRefusedInWords) {
   const auto frame =
       LocalFrame::create(with_heights("EPSG:32633", (folder_ / "broken.gtx").string()).value(), 48.2, 15.6, 0);
   EXPECT_NE(message(frame).find("broken.gtx"), std::string::npos) << message(frame);
-  // A place that the grid does not reach.
+  // A position that the grid does not reach.
   const auto far = LocalFrame::create(with_heights("EPSG:32633", geoid()).value(), 52, 15, 0);
   ASSERT_FALSE(far);
   EXPECT_NE(message(far).find("geoid grid"), std::string::npos) << message(far);

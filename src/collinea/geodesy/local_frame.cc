@@ -38,7 +38,7 @@ Result<> check_scale(const LocalFrame& frame, double latitude_deg, double longit
   std::array<char, 16> times{};
   std::snprintf(times.data(), times.size(), "%.3f", std::abs(most - 1) > std::abs(1 - least) ? most : least);
   return fail(Errc::kUnsupported, frame.crs_name() + " is no map to measure in: a metre on the ground is " +
-                                      times.data() + " of its units here. Use a map of the place, such as " +
+                                      times.data() + " of its units here. Use a map of the area, such as " +
                                       utm_crs(latitude_deg, longitude_deg) + " (the UTM zone) or the national grid");
 }
 
@@ -79,7 +79,7 @@ Result<LocalFrame> LocalFrame::create(const std::string& crs, double origin_lati
     return fail(Errc::kBadInput, "latitude " + std::to_string(origin_latitude_deg) + ", longitude " +
                                      std::to_string(origin_longitude_deg) + " cannot be mapped in " +
                                      transforms.projection->name +
-                                     ": wrong CRS for this place, or a geoid grid that does not reach it?");
+                                     ": wrong CRS for this position, or a geoid grid that does not reach it?");
   if (const Result<> verdict = check_scale(frame, origin_latitude_deg, origin_longitude_deg); !verdict)
     return tl::unexpected(verdict.error());
   return frame;
@@ -163,7 +163,7 @@ Result<Eigen::Vector3d> geographic_from_map(const std::string& crs, const Eigen:
   if (!approximate.head<2>().allFinite())
     return fail(Errc::kBadInput, "easting " + std::to_string(map.x()) + ", northing " + std::to_string(map.y()) +
                                      " lies outside what " + crs + " can map");
-  // Now the operation that is best at this very place.
+  // Now the operation that is best at this very position.
   const Eigen::Vector2d near = approximate.head<2>();
   COLLINEA_TRY(const auto projection, MapProjection::create(crs, &near));
   projection->geographic_from_map(std::span(&point, 1));

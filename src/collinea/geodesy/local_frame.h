@@ -49,11 +49,11 @@ class LocalFrame {
   std::shared_ptr<Transforms> transforms_;
 };
 
-/// The rotation from the axes of the world to those of the map (grid east, grid north, up) at a place of the world: the
-/// nearest one to the derivative of the conversion.
+/// The rotation from the axes of the world to those of the map (grid east, grid north, up) at a position of the world:
+/// the nearest one to the derivative of the conversion.
 [[nodiscard]] Eigen::Quaterniond map_from_local_rotation(const LocalFrame& frame, const Eigen::Vector3d& local);
 
-/// The WGS84 / UTM zone of a place, "EPSG:326zz" or "EPSG:327zz".
+/// The WGS84 / UTM zone of a position, "EPSG:326zz" or "EPSG:327zz".
 [[nodiscard]] std::string utm_crs(double latitude_deg, double longitude_deg);
 
 /// Geographic WGS84 (latitude deg, longitude deg, ellipsoidal height m) of map coordinates, without a local frame.

@@ -117,7 +117,7 @@ TEST(LocalFrame, MapsWhoseMetresAreNoneAreRefusedAndABetterOneIsNamed) {
   }
   EXPECT_FALSE(LocalFrame::create("EPSG:3857", 0.1, 15, 300));  // nearly true to scale, but for nobody's use
   EXPECT_TRUE(LocalFrame::create("EPSG:3035", 35, 33, 300));    // Europe's, at its far end
-  // Surveyed points in it are places all the same.
+  // Surveyed points in it are positions all the same.
   EXPECT_TRUE(geographic_from_map("EPSG:3857", {1669792.36, 6106854.83, 300}));
 }
 

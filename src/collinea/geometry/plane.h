@@ -19,8 +19,9 @@ struct FramedPlane {
   }
 };
 
-/// The axes of a plane through `origin` whose front is on the side of `normal`: y is the direction of steepest ascent
-/// along `up`, of a plane within 10 degrees of level the projected y axis of the world (north).
+/// The axes of a plane through `origin_in_world` whose front is on the side of `normal_in_world`: y is the direction of
+/// steepest ascent along `up_in_world`, of a plane within 10 degrees of level the projected y axis of the world
+/// (north).
 [[nodiscard]] FramedPlane framed_plane(const Eigen::Vector3d& origin_in_world, const Eigen::Vector3d& normal_in_world,
                                        const Eigen::Vector3d& up_in_world = Eigen::Vector3d::UnitZ());
 

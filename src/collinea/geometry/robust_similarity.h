@@ -9,7 +9,7 @@
 
 namespace collinea::bundle {
 
-/// A place known in the block's frame and in the world.
+/// A position known in the block's frame and in the world.
 struct PositionPair {
   Eigen::Vector3d in_block, in_world;
   double sigma_m = 1;  ///< of one coordinate in the world
@@ -21,7 +21,7 @@ struct RobustSimilarity {
   std::vector<double> distances_m;  ///< left after the similarity
 };
 
-/// True when three or more places do not lie on a line: the second axis of their spread is more than uncertainty.
+/// True when three or more positions do not lie on a line: the second axis of their spread is more than uncertainty.
 [[nodiscard]] bool span_a_plane(const std::vector<PositionPair>& pairs);
 
 /// Least median of squares over triples, then least squares of those whose distance is within 27^1/2 = 5.2 robust

@@ -375,7 +375,7 @@ Eigen::Vector3d middle_of(const Block& block) {
           sum.z() / std::max(1, heights)};
 }
 
-// Where the map's heights are told beside its CRS, and those of control beside both.
+// Where the map's heights are stated beside its CRS, and those of control beside both.
 struct Systems {
   std::string map, control;
 };
@@ -424,7 +424,7 @@ Result<> raise_positions(Imported& imported, const std::set<ImageId>& of_file, c
                                  .z();
     if (!std::isfinite(raised_m))
       return fail(Errc::kBadInput,
-                  "the geoid grid of the heights in the photographs does not reach the place of " + image.file,
+                  "the geoid grid of the heights in the photographs does not reach the position of " + image.file,
                   {"gps_heights"_option});
     image.position->height_m += raised_m;
     least = std::min(least, raised_m);

@@ -141,7 +141,7 @@ TEST(ImportFocal, AFisheyeIsWhatTheUserSays) {
   EXPECT_TRUE(is<KannalaBrandt>(camera.model));
   EXPECT_EQ(camera.params[Camera::kK4], 1e-4);
   EXPECT_EQ(camera.params[Camera::kP1], 0);
-  // Nothing said: from corner to corner (150 px) half a turn.
+  // Nothing stated: from corner to corner (150 px) half a turn.
   const auto assumed = import_images(folder / "", {.camera_model = Equidistant{}}, {});
   ASSERT_TRUE(assumed);
   EXPECT_NEAR(assumed->block.cameras.begin()->second.focal_px(), 150 / 3.14159265, 1e-6);
@@ -524,7 +524,7 @@ class ImportHeights : public ::testing::Test {
 };
 
 TEST_F(ImportHeights, ControlOverAGeoidMeetsPositionsOverTheEllipsoid) {
-  EXPECT_NEAR(control_over_camera_m("EPSG:32633").value(), -geoid_m_, 1e-3);  // nobody said so
+  EXPECT_NEAR(control_over_camera_m("EPSG:32633").value(), -geoid_m_, 1e-3);  // nobody stated it
   options_.control_heights = (folder_ / "geoid.gtx").string();
   EXPECT_NEAR(control_over_camera_m("EPSG:32633").value(), 0, 1e-3);
   // The map keeps ellipsoidal heights.

@@ -17,7 +17,7 @@ namespace {
 constexpr std::string_view kHead = R"(collinea-adjustment 1
 # Measurements and all that is known beforehand, for collinea adjust --import. Metres, pixels, degrees.
 # A name with blanks stands in double quotes; - means not given; a # begins a remark.
-#   georeference CRS LATITUDE LONGITUDE HEIGHT   place of the frame (x east, y north, z up) on the Earth
+#   georeference CRS LATITUDE LONGITUDE HEIGHT   position of the frame (x east, y north, z up) on the Earth
 #   camera NAME WIDTH HEIGHT MODEL [sigmas_after_correction]    size [px]; MODEL: brown or brown_of_measured
 #   parameter CAMERA WHICH VALUE HOW [GIVEN]     HOW: fixed, free, or the standard deviation of GIVEN (else of VALUE)
 #   image NAME CAMERA
@@ -32,7 +32,7 @@ constexpr std::string_view kHead = R"(collinea-adjustment 1
 #   time_offset CAMERA S                         positions are measured later than images [s]
 #   velocity IMAGE X Y Z                         of the antenna [m/s]
 #                                                their standard deviations: 0 exact or none, - not known
-#   control NAME X Y Z SX SY SZ                  surveyed point [m]; standard deviation 0: held
+#   control NAME X Y Z SX SY SZ                  surveyed point [m]; standard deviation 0: fixed
 #   check NAME X Y Z SX SY SZ                    surveyed point that is only compared [m]
 #   control_correlation NAME XY XZ YZ            of its coordinates
 #   control_in_map, check_in_map                 the same by easting, northing and height of the georeference's CRS

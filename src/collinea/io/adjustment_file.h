@@ -15,10 +15,10 @@
 namespace collinea {
 
 /// All that an adjustment starts from: measurements with their standard deviations, what is known of cameras, images
-/// and points, and what is held. Images without a pose and tie points without coordinates are allowed: they are in
+/// and points, and what is fixed. Images without a pose and tie points without coordinates are allowed: they are in
 /// block.images and block.observations, but are not oriented and not in block.points.
 struct AdjustmentFile {
-  Block block;  ///< sigmas of control: 0 = held, infinite = not given
+  Block block;  ///< sigmas of control: 0: fixed, infinite = not given
   std::set<ImageId> fixed_images;
   std::set<CameraId> corrected_cameras;  ///< of BrownOfMeasured: their sigmas hold after the correction
   /// Sigma of each of Camera::params. 0: fixed; a standard deviation: observed; infinite: free.

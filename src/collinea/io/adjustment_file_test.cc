@@ -39,7 +39,7 @@ TEST(AdjustmentFile, IsReadAsItSays) {
   const Block& block = file->block;
   const Camera& camera = block.cameras.at({0});
   EXPECT_EQ(camera.params[Camera::kF], 3600.5);
-  EXPECT_EQ(camera.params[Camera::kCx], 2000);  // not said: the middle, held
+  EXPECT_EQ(camera.params[Camera::kCx], 2000);  // not stated: the middle, fixed
   EXPECT_EQ(file->camera_sigmas.at({0})[Camera::kCx], 0);
   EXPECT_EQ(file->camera_sigmas.at({0})[Camera::kF], kInfinity);
   EXPECT_EQ(file->camera_sigmas.at({0})[Camera::kK1], 0.01);
@@ -262,7 +262,7 @@ TEST(AdjustmentFile, SaysInWhichLineWhatIsWrong) {
   EXPECT_NE(parse_adjustment_file("collinea-adjustment 2\n").error().message.find("version"), std::string::npos);
 }
 
-// A file that breaks off is told or is a file of fewer lines; bytes gone wrong never end the program.
+// A file that breaks off is reported or is a file of fewer lines; bytes gone wrong never end the program.
 TEST(AdjustmentFile, SurvivesTruncationAndGarbage) {
   const std::string text = adjustment_file_text(random_file());
   read_damaged(text, [](const std::string& broken) {

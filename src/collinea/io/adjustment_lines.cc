@@ -253,7 +253,7 @@ Result<> take_control(const Line& line, Draft& draft) {
     if (!point.position_in_world.allFinite())
       return bad_line(line.number,
                       "a point of a map needs all three coordinates, at least roughly (- for the standard deviation "
-                      "of those that are not given): the height of the frame depends on the place");
+                      "of those that are not given): the height of the frame depends on the position");
     draft.in_map.emplace_back(line.number, id);
   }
   draft.file.block.control[id] = std::move(point);

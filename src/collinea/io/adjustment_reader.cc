@@ -104,7 +104,7 @@ Result<AdjustmentFile> finish(Draft draft, std::size_t lines) {
     if (!frame) return bad_line(line, "coordinates of which map? There is no line georeference");
     point.position_in_world = frame->local_from_map(point.position_in_world);
     if (!point.position_in_world.allFinite())
-      return bad_line(line, "this place is outside of " + draft.file.block.georeference->crs);
+      return bad_line(line, "this position is outside of " + draft.file.block.georeference->crs);
   }
   draft.file.instruments = draft.instruments.found();
   for (auto& [id, control] : draft.file.block.control)

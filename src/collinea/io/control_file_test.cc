@@ -249,7 +249,7 @@ struct RealFile {
   std::size_t points, observations;
 };
 
-// The counts were taken from the files with awk: distinct names, or places, and rows.
+// The counts were taken from the files with awk: distinct names, or positions, and rows.
 TEST(ControlFile, RealFilesAreRead) {
   const auto data = std::filesystem::path(source_tree()) / "../shared/data";
   if (!std::filesystem::exists(data / "INDEX.md")) GTEST_SKIP() << "needs the shared data";

@@ -15,7 +15,7 @@ using MapArea = std::vector<Eigen::Vector2d>;
 [[nodiscard]] bool contains(const MapArea& area, const Eigen::Vector2d& position);
 [[nodiscard]] double size_m2(const MapArea& area);
 
-/// Reads places: easting and northing a line, between commas or blanks; # starts a comment, a line without numbers
+/// Reads positions: easting and northing a line, between commas or blanks; # starts a comment, a line without numbers
 /// above all others is a title, further fields are left alone. Errors name the line.
 [[nodiscard]] Result<std::vector<Eigen::Vector2d>> parse_map_points(const std::string& text);
 /// The same as the corners of an area; the first may stand at the end once more. Also an error: fewer than three.

@@ -17,7 +17,7 @@ struct ExteriorOrientation {
   std::string file;
   Eigen::Vector3d
       centre_in_map;     ///< easting, northing, height [m]; world coordinates when the block has no georeference
-  OmegaPhiKappa angles;  ///< to the axes of the map at this place: grid east, grid north, up
+  OmegaPhiKappa angles;  ///< to the axes of the map at this position: grid east, grid north, up
 };
 
 /// The exterior orientations of all oriented images, in the order of the ids. With a georeference the angles refer to
@@ -35,7 +35,7 @@ struct ExteriorOrientation {
 [[nodiscard]] Result<std::vector<ExteriorOrientation>> read_opk(const std::filesystem::path& path);
 
 /// The inverse of exterior_orientations: the poses of those images of `block` that the table names (by the file as in
-/// the block), in its world frame. Errors: a CRS that PROJ does not know, a place outside of it.
+/// the block), in its world frame. Errors: a CRS that PROJ does not know, a position outside of it.
 [[nodiscard]] Result<std::map<ImageId, Rigid3>> poses_of(const std::vector<ExteriorOrientation>& rows,
                                                          const Block& block);
 

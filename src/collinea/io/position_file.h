@@ -21,7 +21,7 @@ struct PositionFileRow {
   std::optional<Eigen::Vector3d> geographic;  ///< latitude, longitude [deg], ellipsoidal height [m]
   std::optional<Eigen::Vector3d> in_map;      ///< easting, northing, height [m]
   Eigen::Vector3d sigma_m;                    ///< east, north, height
-  std::optional<OmegaPhiKappa> angles;        ///< to the axes of the map at this place
+  std::optional<OmegaPhiKappa> angles;        ///< to the axes of the map at this position
   std::optional<AttitudePrior> attitude;      ///< the same to true north, as drones write it
   Eigen::Vector3d sigma_deg;                  ///< of turns about east, north and the plumb line
   std::string taken;                          ///< as Image::taken

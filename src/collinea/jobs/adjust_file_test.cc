@@ -187,7 +187,7 @@ TEST(PublishedAdjustment, CameraCalibrationDemo) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(*number(row[13 + i]) / angles[i], 1, 0.01);
 }
 
-// Control of an export held, and weighted by 1 mm: prague2016.
+// Control of an export fixed, and weighted by 1 mm: prague2016.
 TEST(PublishedAdjustment, FixedAndWeightedControl) {
   const auto exported = shared_data() / "dbat_text/prague2016/cam/pmexports/fixed-no-orient-pmexport.txt";
   if (!std::filesystem::exists(exported)) GTEST_SKIP() << "needs the shared data";

@@ -32,7 +32,7 @@ Result<OrientationRecord> orientation_of(const Project& project) {
   });
 }
 
-// As orientation calibrated them. Where it held the poses of another program it also keeps what came with them.
+// As orientation calibrated them. Where it fixed the poses of another program it also keeps what came with them.
 Calibration calibration_of(const OrientationRecord& orientation) {
   return orientation.holds_given_poses ? Calibration::kNone : orientation.calibration.parameters;
 }
@@ -101,7 +101,7 @@ std::vector<std::string> words_in(const std::string& list) {
   return words;
 }
 
-// Gives the cameras the additional set that was asked for, free or held. A camera with another set begins at zero.
+// Gives the cameras the additional set that was asked for, free or fixed. A camera with another set begins at zero.
 Result<> set_additional(const AdjustProjectOptions& asked, Task& task, const Run& run) {
   const std::optional<AdditionalSet>& wanted = asked.additional;
   const std::vector<std::string> fixed = words_in(asked.additional_fixed);
@@ -163,7 +163,7 @@ Result<Task> task_of(const Project& project, const AdjustProjectOptions& asked) 
     if (instruments.position_shift != PositionShift::kNone) expect_shift(diagnosis);
     apply(diagnosis, task.block);
   }
-  if (asked.snoop) task.block.control_observations = setup.control_observations;  // those that orient took out too
+  if (asked.snoop) task.block.control_observations = setup.control_observations;  // those that orient rejected too
   if (task.scope.use_control && !asked.given_sigmas)
     judge_as_orient_did(orientation, instruments.position_shift == PositionShift::kNone, task.block, project.run);
   choose_geodetic(task.block, orientation, asked.use_geodetic);

@@ -51,7 +51,7 @@ TEST(AdjustProject, WritesReportAndTablesAndLeavesTheProjectAsItIs) {
   for (const auto& [id, pose] : oriented_images(before)) EXPECT_EQ(pose.translation, pose_of(after, id).translation);
 }
 
-// Gross errors in the oriented block of a project: they are rejected, told, and do not spoil what is written.
+// Gross errors in the oriented block of a project: they are rejected, reported, and do not spoil what is written.
 TEST(AdjustProject, SnoopingTakesOutWhatIsWrongInAProject) {
   const TestFolder folder;
   auto project = open_small_survey(folder / "block");

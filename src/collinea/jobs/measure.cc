@@ -48,8 +48,7 @@ Result<std::vector<Eigen::Vector2d>> line_of(const std::string& line) {
     numbers.push_back(*value);
   }
   if (numbers.size() < 4 || numbers.size() % 2)
-    return fail(Errc::kBadInput, "\"" + line + "\" is no line: give east,north of two places and more",
-                {"line"_option});
+    return fail(Errc::kBadInput, "\"" + line + "\" is no line: give east,north of two points or more", {"line"_option});
   std::vector<Eigen::Vector2d> positions;
   for (std::size_t i = 0; i < numbers.size(); i += 2) positions.emplace_back(numbers[i], numbers[i + 1]);
   return positions;

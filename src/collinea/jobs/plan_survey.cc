@@ -42,7 +42,7 @@ struct Crs {
   std::string wkt, name;
 };
 
-// A CRS must fit the place: a corner of the site.
+// A CRS must fit the site: a corner of it is tried.
 Result<Crs> crs_of(const std::optional<std::string>& crs, const FlightPlan& plan) {
   if (!crs) return Crs{};
   const Eigen::Vector2d position = plan.area[0];
@@ -58,7 +58,7 @@ Result<std::optional<Gain>> one_more_cross_strip(FlightOptions flight, const Map
   ++flight.cross_strips;
   const auto plan = plan_flight(flight, area);
   if (!plan) {
-    run.say("what one more cross strip would gain is not told: " + plan.error().message);
+    run.say("what one more cross strip would gain is not reported: " + plan.error().message);
     return std::nullopt;
   }
   COLLINEA_TRY(PlannedBlock planned, planned_block(*plan, points, measurements));

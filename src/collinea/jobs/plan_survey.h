@@ -12,7 +12,7 @@
 
 namespace collinea {
 
-/// A survey that is planned, and what shall be told of it.
+/// A survey that is planned, and what shall be reported of it.
 struct PlanOptions {
   std::optional<std::filesystem::path> area;
   std::optional<std::string> crs;

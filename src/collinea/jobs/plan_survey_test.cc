@@ -94,7 +94,7 @@ TEST(PlanSurvey, TheControlItWritesCanBePlannedAgain) {
     EXPECT_EQ(first.at("points").at(i).at("name"), second.at("points").at(i).at("name"));
     EXPECT_EQ(first.at("points").at(i).at("survey_sigma_m"), second.at("points").at(i).at("survey_sigma_m"));
   }
-  for (std::size_t axis = 0; axis < 3; ++axis)  // places are written in millimetres
+  for (std::size_t axis = 0; axis < 3; ++axis)  // positions are written in millimetres
     EXPECT_NEAR(first.at("area").at("rms_m").at(axis).get<double>(),
                 second.at("area").at("rms_m").at(axis).get<double>(), 1e-9);
 }

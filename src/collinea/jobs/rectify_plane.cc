@@ -59,7 +59,7 @@ Result<PlaneExtent> extent_of(const RectifyOptions& options, const std::vector<V
   return PlaneExtent{extent.lowest - more, extent.highest + more};
 }
 
-// Two digits: what is told is what is used.
+// Two digits: what is reported is what is used.
 Result<double> cell_of(const RectifyOptions& options, const std::vector<PlaneView>& views, const PlaneExtent& extent) {
   if (options.cell_m) return *options.cell_m;
   double pixel_m = pixel_size_m(views[0], extent.at(0.5, 0.5));

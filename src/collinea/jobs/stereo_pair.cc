@@ -26,7 +26,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kPartOfWidth = 8;  // largest disparity of a rectified pair of which nothing is said: width / kPartOfWidth
+constexpr int kPartOfWidth =
+    8;  // largest disparity of a rectified pair of which nothing is stated: width / kPartOfWidth
 
 // Everything matching needs of a pair.
 struct Prepared {

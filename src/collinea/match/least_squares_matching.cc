@@ -14,7 +14,7 @@ constexpr int kMostIterations = 20;
 constexpr double kSettled = 0.003;  // spacings: a tenth of what a good match is worth
 constexpr double kLeastCorrelation = 0.8;
 constexpr double kLargestChange = 0.5;  // of the map against its start
-constexpr double kLargestSigma = 0.25;  // spacings: less is no better than a feature's own place
+constexpr double kLargestSigma = 0.25;  // spacings: less is no better than a feature's own position
 constexpr double kLeastNoise_grey = 1;  // of any image: what is smaller is no texture
 
 // The points of a window, in spacings from its middle, and their weights; what fills the arrays up has none.
@@ -39,7 +39,7 @@ const Points& points() {
   return all;
 }
 
-// Grey values where a window whose place lies at `place` from its middle [spacings] is put.
+// Grey values where a window whose position lies at `position` from its middle [spacings] is put.
 bool sample(const Patch& patch, const Placement& placement, const Eigen::Vector2d& position, double spacing_px,
             float* out) {
   const Eigen::Matrix2d step = placement.warp * (spacing_px / patch.pixel_px);
@@ -88,7 +88,7 @@ std::optional<Patch> cut_patch(const GreyImage& level, double pixel_px, const Ei
 }
 
 // Between pixels noise is smoothed, the more the farther from their centres, and so it would have a mean gradient of
-// its own where points lie alike between pixels: places would be off by tenths of a pixel in noisy images. At the
+// its own where points lie alike between pixels: positions would be off by tenths of a pixel in noisy images. At the
 // pixels themselves a grey value and the slopes there share no noise.
 std::optional<ReferenceWindow> ReferenceWindow::of(const Patch& patch, const Eigen::Vector2d& position_px) {
   ReferenceWindow window;

@@ -33,23 +33,23 @@ struct Placement {
 
 struct LeastSquaresMatch {
   Placement placement;
-  Eigen::Matrix2d covariance_px2;  ///< of the place, relative to the reference, by what the grey values left
+  Eigen::Matrix2d covariance_px2;  ///< of the position, relative to the reference, by what the grey values left
   double correlation = 0;          ///< of the grey values
 };
 
 /// A window of a reference image that is looked for in others by least squares matching (Ackermann 1984; Gruen 1985):
-/// place, affine map, gain and offset such that grey values differ least. The window has kWindow x kWindow points,
+/// position, affine map, gain and offset such that grey values differ least. The window has kWindow x kWindow points,
 /// weighted by a Gaussian of 0.6 of its half width. The derivatives are those of the reference (inverse composition,
 /// Baker and Matthews 2004): they and their normal equations are set up once for all other images.
 class ReferenceWindow {
  public:
-  /// The points are the pixels of the patch round the place. Nothing where the window does not lie in the patch or its
-  /// texture does not fix a place in both directions (constant, or a straight edge).
+  /// The points are the pixels of the patch round the position. Nothing where the window does not lie in the patch or
+  /// its texture does not fix a position in both directions (constant, or a straight edge).
   static std::optional<ReferenceWindow> of(const Patch& patch, const Eigen::Vector2d& position_px);
 
-  /// The window in another image, from a place good to a few pixels of the reference's patch. Nothing when this does
+  /// The window in another image, from a position good to a few pixels of the reference's patch. Nothing when this does
   /// not converge, leaves the patch, moves by more than farthest_px or changes the map by more than a half, correlates
-  /// by less than 0.8, or when the standard deviation of the place is more than a quarter of such a pixel.
+  /// by less than 0.8, or when the standard deviation of the position is more than a quarter of such a pixel.
   [[nodiscard]] std::optional<LeastSquaresMatch> find(const Patch& other, const Placement& start,
                                                       double farthest_px) const;
 
@@ -61,9 +61,9 @@ class ReferenceWindow {
   Eigen::Vector2d position_;                                 // from the window's middle, in spacings
   Values grey_{};                                            // minus its mean
   double grey_square_ = 0;                                   // weighted mean
-  std::array<float, kUnknowns * kWindowFloats> weighted_{};  // derivatives by place, map, gain and offset, by weight
+  std::array<float, kUnknowns * kWindowFloats> weighted_{};  // derivatives by position, map, gain and offset, by weight
   Matrix8d inverse_;                                         // of the normal matrix
-  Eigen::Matrix2d cofactor_;                                 // of the place, for equally good grey values
+  Eigen::Matrix2d cofactor_;                                 // of the position, for equally good grey values
   double redundancy_ = 0;                                    // in weights
 };
 

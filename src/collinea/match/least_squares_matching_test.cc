@@ -45,7 +45,7 @@ class Texture {
   std::array<Wave, 12> waves_;
 };
 
-// The image of a surface: place (0.5, 0.5) is the centre of its first pixel.
+// The image of a surface: position (0.5, 0.5) is the centre of its first pixel.
 GreyImage image_of(const std::function<double(const Vector2d&)>& grey, double noise_grey = 0, std::uint64_t seed = 1) {
   Random random(seed);
   GreyImage image(kSize, kSize);
@@ -56,7 +56,7 @@ GreyImage image_of(const std::function<double(const Vector2d&)>& grey, double no
   return image;
 }
 
-// What is at place + warp * offset in the other image is at kMiddle + offset in the reference.
+// What is at position + warp * offset in the other image is at kMiddle + offset in the reference.
 GreyImage other_image(const Texture& texture, const Placement& placement, double gain = 1, double offset = 0,
                       double noise_grey = 0, std::uint64_t seed = 2) {
   const Matrix2d back = placement.warp.inverse();

@@ -54,7 +54,7 @@ struct PairOptions {
     visit(Field{"sequence_overlap", &O::sequence_overlap, "1",
                 "images before and after in the order of taking that each image is compared with", 0, 1000});
     visit(Field{"height_above_ground_m", &O::height_above_ground_m, "m",
-                "flying height, for the place that a tilted camera looks at; by default that above take-off", 0.0});
+                "flying height, for the point that a tilted camera looks at; by default that above take-off", 0.0});
     visit(Field{"look_features", &O::look_features, "1", "features of each image, the largest, that a first look uses",
                 16, 8192});
     visit(Field{"look_min_matches", &O::look_min_matches, "1", "fewest matches of a partner in a first look", 1, 8192});
@@ -69,7 +69,7 @@ struct PairOptions {
 
 /// The pairs that deserve a look by what is known before any feature is compared, their number growing as that of the
 /// images:
-/// - the `neighbours` nearest by position, in space and by the place looked at (position, attitude and height above
+/// - the `neighbours` nearest by position, in space and by the point looked at (position, attitude and height above
 ///   ground; cameras that look at the horizon have none), and, so that the strips beside are not forgotten, two in each
 ///   eighth of the compass among the 128 nearest;
 /// - those next to each other in the order of taking (by time where all have one, else by file name; numbers count as

@@ -105,7 +105,7 @@ TEST(CandidatePairs, GrowAsTheNumberOfImages) {
 }
 
 // A ring of oblique images 100 m above and 100 m outside of what they all look at: the nearest by position are those
-// beside, but opposite ones show the same place.
+// beside, but opposite ones show the same ground.
 TEST(CandidatePairs, TiltedCamerasAreNeighboursByWhatTheyLookAt) {
   Block block;
   constexpr std::uint32_t kRings = 6, kPerRing = 12;

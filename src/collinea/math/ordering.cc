@@ -121,7 +121,7 @@ class Dissector {
     return left;
   }
 
-  // The direction is chosen by cuts in the middle, then the place of the cut.
+  // The direction is chosen by cuts in the middle, then the position of the cut.
   std::optional<Cut> best_cut(const std::vector<int>& images, int label) {
     std::optional<Cut> best;
     double least = 1;  // a separator as large as a half is no gain

@@ -97,7 +97,7 @@ TEST(Ordering, PartsThatDoNotHangTogetherKeepApart) {
     auto& moved = both.graph.emplace_back(neighbours);
     for (int& image : moved) image += 400;
   }
-  both.centres.insert(both.centres.end(), one.centres.begin(), one.centres.end());  // in the same place
+  both.centres.insert(both.centres.end(), one.centres.begin(), one.centres.end());  // at the same positions
   EXPECT_LT(work_in_order(both), 2.5 * work_in_order(one));
 }
 

@@ -68,7 +68,7 @@ TEST(Polynomial, CubicWithVanishingLeadingTermKeepsItsOtherRoots) {
   expect_roots(real_roots(std::array<double, 4>{6, -5, 1, 1e-18}), {2, 3}, 1e-10);
 }
 
-// Ten roots in random places: the error of a root is rounding divided by the slope there, hence the loose bound.
+// Ten roots in random positions: the error of a root is rounding divided by the slope there, hence the loose bound.
 TEST(Polynomial, AllTenRealRootsAreFound) {
   Random random(2);
   for (int i = 0; i < 200; ++i) {

@@ -151,7 +151,7 @@ void TileCholesky::subtract_common(int row, std::size_t row_end, int column) {
   }
 }
 
-// A tile of the matrix to its place in the factor, or zeros.
+// A tile of the matrix to its position in the factor, or zeros.
 void TileCholesky::fetch(const TileMatrix& matrix, int row, int column, std::size_t index) {
   const std::size_t given = matrix.find(row, column);
   if (given == TileMatrix::kNowhere)

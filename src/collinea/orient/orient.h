@@ -20,10 +20,10 @@ struct CalibrationUsed {
 /// An oriented block and how it came about.
 struct Orientation {
   Block block;        ///< poses, cameras as adjusted, tie points, observations; control and positions that were used
-  Examined adjusted;  ///< of `block`; with covariances of poses and cameras, unless poses were held as given
-  bool georeferenced = false;                     ///< false: gauge without place, see adjusted.datum
+  Examined adjusted;  ///< of `block`; with covariances of poses and cameras, unless poses were fixed as given
+  bool georeferenced = false;                     ///< false: gauge without position, see adjusted.datum
   bool metric = false;                            ///< lengths are in metres: georeferenced, or scaled by distances
-  bool relative_heights = false;                  ///< georeferenced in plan, but nothing told a height
+  bool relative_heights = false;                  ///< georeferenced in plan, but nothing gave a height
   Gauge gauge;                                    ///< what fixes position, attitude and scale
   std::vector<std::vector<ImageId>> other_parts;  ///< images that hang together, but not with the block
   std::vector<ImageId> alone;                     ///< images that are in no part

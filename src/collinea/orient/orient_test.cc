@@ -102,7 +102,7 @@ TEST(Orient, NoiseOfHalfAPixelMovesCentresByAboutAPixel) {
 }
 
 // e' C^-1 e of f, cx, cy is chi-squared with three degrees of freedom: the mean of 40 lies between 1.89 and 4.44 in 999
-// of 1000 cases. With the principal point held in the middle, off by 6 and 4 px, f alone would be wrong by tens of its
+// of 1000 cases. With the principal point fixed in the middle, off by 6 and 4 px, f alone would be wrong by tens of its
 // sigmas.
 TEST(Orient, TheCameraOfASmallBlockIsAsGoodAsItsSigmasSay) {
   constexpr int kBlocks = 40;
@@ -279,7 +279,7 @@ std::optional<double> sigma_stated(const std::vector<Finding>& findings, Finding
 // Coordinates ten times worse than stated, and positions that all have an error of 1.2 m in common. Six control points
 // less seven parameters leave eight coordinates in plan and three in height, so over eight blocks the root mean square
 // of the sigma they show is known to 1 / sqrt(2 * 8 * 8), 9 %, and 1 / sqrt(2 * 8 * 3), 14 %: three of those. The
-// estimated places have errors of their own, far below those of control.
+// estimated positions have errors of their own, far below those of control.
 TEST(Orient, ControlThatIsWorseThanStatedGetsTheSigmaItShows) {
   constexpr int kBlocks = 8;
   constexpr double kStated_m = 0.01, kReal_m = 0.1;
@@ -315,7 +315,7 @@ TEST(Orient, ControlThatIsWorseThanStatedGetsTheSigmaItShows) {
   }
   EXPECT_NEAR(std::sqrt(plan) / kReal_m, 1, 0.27);
   EXPECT_NEAR(std::sqrt(height) / kReal_m, 1, 0.42);
-  EXPECT_NEAR(shift_m, 0, 4 * kReal_m / std::sqrt(6.0 * kBlocks));  // control decides the place
+  EXPECT_NEAR(shift_m, 0, 4 * kReal_m / std::sqrt(6.0 * kBlocks));  // control decides the position
 }
 
 // Plan ten times worse than stated, heights as stated: these are still believed.
@@ -510,7 +510,7 @@ TEST(Orient, ImagesOfARotationAloneAreAnErrorInWords) {
   const auto found = orient(input);
   ASSERT_FALSE(found);
   EXPECT_EQ(found.error().code, Errc::kIllPosed);
-  EXPECT_NE(found.error().message.find("different places"), std::string::npos) << found.error().message;
+  EXPECT_NE(found.error().message.find("different positions"), std::string::npos) << found.error().message;
 }
 
 TEST(Orient, ItStopsWhenAsked) {

@@ -13,7 +13,7 @@ constexpr int kBlock = HeightOverview::kBlock;
 constexpr int kPerSide = kBlock / Occluders::kCoarse;  // coarse cells of a block
 static_assert(kBlock % kSide == 0 && kBlock % Occluders::kCoarse == 0);
 
-// Lines of sight are looked at always at the same distances from the place [cells], multiples of the steps: what is
+// Lines of sight are looked at always at the same distances from the point [cells], multiples of the steps: what is
 // skipped makes no difference.
 constexpr double kFirst = 1.5, kStep = 0.75, kFarFirst = 258, kFarStep = 3;
 constexpr double kSkip = 15;  // within the reach of a ceiling
@@ -186,8 +186,7 @@ Result<Occluders> occluders_of(const HeightField& field, FloatImage near_heights
   }
   Occluders occluders;
   occluders.hold(std::move(near_heights_m), near, field.grid.cell_m);
-  if (!far.wanted.empty())
-    COLLINEA_TRY(occluders.look_further(field, far));
+  if (!far.wanted.empty()) COLLINEA_TRY(occluders.look_further(field, far));
   occluders.finish_ceilings();
   return occluders;
 }

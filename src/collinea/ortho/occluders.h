@@ -15,13 +15,13 @@ struct SurfaceBlocks {
   Raster<std::uint8_t> wanted;  ///< one for each block; not 0: it is meant
 };
 
-/// What may hide places of an area from cameras: the surface around, no higher than it certainly is. Positions are
+/// What may hide points of an area from cameras: the surface around, no higher than it certainly is. Positions are
 /// continuous cells of the window that is held in full: the centre of its upper-left cell is (0.5, 0.5).
 ///
-/// Around a place (kNear cells) lines of sight are followed in cells of the surface, beyond in cells kCoarse times as
+/// Around a point (kNear cells) lines of sight are followed in cells of the surface, beyond in cells kCoarse times as
 /// large, fixed to its raster, that are as high as the highest within. What hides from there rises by more than a line
 /// of sight does on kNear cells: mountains and towers, which get wider by less than kCoarse cells, a hundredth of their
-/// distance. So memory stays small however far one must look. The answers depend on the place and the surface only, not
+/// distance. So memory stays small however far one must look. The answers depend on the point and the surface only, not
 /// on the window, as long as this reaches far enough (occluders_of).
 class Occluders {
  public:
@@ -33,7 +33,7 @@ class Occluders {
   [[nodiscard]] int column() const { return column_; }
   [[nodiscard]] int row() const { return row_; }
 
-  /// True when the surface rises above the straight line from the place at height_m (on it or above) towards a camera
+  /// True when the surface rises above the straight line from the point at height_m (on it or above) towards a camera
   /// at (camera_x, camera_y, camera_height_m), also when it is three of its sigmas lower (but no more than ten cells).
   /// One cell of height is granted to roughness. Cells without height hide nothing.
   [[nodiscard]] bool hide(double x, double y, double height_m, double camera_x, double camera_y,
@@ -49,7 +49,7 @@ class Occluders {
   }
   static constexpr int kThin = 2;
 
-  /// The greatest height at which any cell no further than kCeilingReach cells from the place hides something, or more.
+  /// The greatest height at which any cell no further than kCeilingReach cells from the point hides something, or more.
   [[nodiscard]] float ceiling_m(double x, double y) const;
   static constexpr int kCeilingReach = 16;
   /// The greatest of all.

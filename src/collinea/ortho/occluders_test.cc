@@ -88,7 +88,7 @@ Occluders around(const HeightField& field, int first_column, int last_column, in
   return occluders_of(field, field.read(near.column, near.row, near.width, near.height).value(), near, far).value();
 }
 
-// True when the place of a level surface at 0 is hidden from far in the east, the line of sight rising so many cells
+// True when the point of a level surface at 0 is hidden from far in the east, the line of sight rising so many cells
 // per cell.
 bool hidden_from_the_east(const Occluders& occluders, double x, double y, double rise, bool by_wide_things = false) {
   const double u = x - occluders.column(), v = y - occluders.row();
@@ -159,7 +159,7 @@ TEST(Occluders, WideThingsFarAwayAreThoseThatAreWideNearby) {
   }
 }
 
-// Mountains with holes. What a place is hidden from is the same whatever window it lies in, and nearly the same as if
+// Mountains with holes. What a point is hidden from is the same whatever window it lies in, and nearly the same as if
 // all were known in full: coarse cells hide a little more.
 TEST(Occluders, TheWindowDoesNotMatter) {
   FloatImage heights(1500, 700);

@@ -65,8 +65,8 @@ TEST(Bicubic, ReproducesAParabola) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(colour[c], value(5.8, 4.3, c), 1e-4);
 }
 
-// A tower of 133 m on a plateau hides places of it 266 m away, by lines of sight flatter than those from a pit that the
-// area holds, too: what it casts over the area must not be told by these alone.
+// A tower of 133 m on a plateau hides points of it 266 m away, by lines of sight flatter than those from a pit that the
+// area holds, too: what it casts over the area must not be determined by these alone.
 TEST(OrthoScene, WhatIsFarAwayHidesPositionsAboveTheLowestOfTheArea) {
   HeightField surface;
   surface.grid = {0, 800, 1, 1760, 800, ""};

@@ -26,7 +26,7 @@ struct SeamAgreement {
 };
 
 struct OrthoTile {
-  Raster<std::uint8_t> rgba;                               ///< alpha 0: no height, or no view sees the place; else 255
+  Raster<std::uint8_t> rgba;                               ///< alpha 0: no height, or no view sees the point; else 255
   Raster<std::uint16_t> source;                            ///< 1 + index of the view that leads; 0: none
   SeamAgreement seams;                                     ///< sides to the east and the south of the tile's cells
   std::map<std::size_t, std::uint64_t> not_followed = {};  ///< by views that the plan names: cells that another leads

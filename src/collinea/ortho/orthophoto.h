@@ -39,14 +39,14 @@ struct OrthoOptions {
 
 /// What is known of where seams should run.
 struct SeamGuides {
-  const HeightField* terrain = nullptr;  ///< what stands above it is no place for seams; null: not known
+  const HeightField* terrain = nullptr;  ///< seams avoid what stands above it; null: not known
   const std::vector<SeamPolygon>* given =
       nullptr;  ///< where they are to run; sources by OrthoSummary::sources; null: find
 };
 
 struct OrthoFiles {
   std::filesystem::path image;   ///< red, green, blue, alpha; Cloud-Optimised GeoTIFF
-  std::filesystem::path source;  ///< 16 bit: 1 + place in OrthoSummary::sources of the leading image; 0 none
+  std::filesystem::path source;  ///< 16 bit: 1 + index in OrthoSummary::sources of the leading image; 0 none
 };
 
 struct OrthoSummary {
@@ -55,10 +55,10 @@ struct OrthoSummary {
   ColourBalance balance;         ///< of the sources
   std::uint64_t painted_cells = 0, empty_cells = 0;
   std::uint64_t images_used = 0;
-  std::vector<SeamPolygon> seamlines;  ///< the plan: sources are places in `sources`, from 1 on
+  std::vector<SeamPolygon> seamlines;  ///< the plan: sources are indices in `sources`, from 1 on
   std::map<std::size_t, std::uint64_t>
-      not_followed;                 ///< by places in `sources`: cells planned for it that it does not see
-  double seam_length_m = 0;         ///< where both images see the place
+      not_followed;                 ///< by index in `sources`: cells planned for it that it does not see
+  double seam_length_m = 0;         ///< where both images see the point
   double seam_difference_grey = 0;  ///< mean over the seams: by how much the two images differ, after balancing
   double seam_step_grey = 0;        ///< root mean square over the seams: mean step between the two images of a pair
 };
@@ -70,7 +70,7 @@ struct OrthoSink {
   std::filesystem::path scratch = {};  ///< beside it what is unpacked lies for a while; empty: slower
 };
 
-/// The true orthophoto: each cell of the map takes the colour of its place on the surface, from the image that
+/// The true orthophoto: each cell of the map takes the colour of its position on the surface, from the image that
 /// sees it most from above and is not hidden by the surface; images are mixed in a narrow zone along the seams.
 /// Seams run as given, or are found (plan_seams). Cells that no image sees, and cells without height, stay
 /// transparent: nothing is copied from the wrong surface. `frame`: null when the surface model lies in the plane x, y

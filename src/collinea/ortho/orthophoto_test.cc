@@ -280,7 +280,7 @@ TEST(Orthophoto, UnevenExposuresAreBalanced) {
       }
     }
   }
-  EXPECT_GT(common, 90);  // of 100 places
+  EXPECT_GT(common, 90);  // of 100 positions
   EXPECT_GT(sightings, 5 * common);
   EXPECT_GT(planted, 0.4);
   EXPECT_LT(sum / (3 * common), 0.01);

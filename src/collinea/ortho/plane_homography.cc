@@ -183,7 +183,7 @@ Result<PlaneHomography> PlaneHomography::fit(const Camera& camera, std::span<con
   if (!(derivative(result.matrix_, on_plane[0]).determinant() < 0))  // y is up on the plane, down in the image
     return fail(Errc::kIllPosed,
                 "the points go round the other way in the photograph than on the plane, whose x is to the right and y "
-                "up: some are exchanged, or the plane is told as seen from behind");
+                "up: some are exchanged, or the plane is given as seen from behind");
   result.redundancy_ = 2 * int(points.size()) - 8;
   if (result.redundancy_ > 0) result.sigma0_ = std::sqrt(normals.squares / result.redundancy_);
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -36,7 +36,7 @@ class PlaneHomography {
   /// than four points, all but one on a line or nearly so, an order that no view of a plane gives, a mirrored order.
   static Result<PlaneHomography> fit(const Camera& camera, std::span<const PlanePoint> points);
 
-  /// The ray of a place in the camera frame: matrix() * (x, y, 1), up to a positive factor. Its third coordinate is
+  /// The ray of a position in the camera frame: matrix() * (x, y, 1), up to a positive factor. Its third coordinate is
   /// positive before the camera and zero on the horizon of the plane.
   [[nodiscard]] const Eigen::Matrix3d& matrix() const { return matrix_; }
 
@@ -47,8 +47,8 @@ class PlaneHomography {
   /// Whether residuals so large come from the sigmas stated in less than one of a thousand cases.
   [[nodiscard]] bool residuals_too_large() const;
 
-  /// Covariance of the place that the homography gives an exactly measured pixel, from the sigmas stated [m^2]. The
-  /// place: on the plane, before the camera.
+  /// Covariance of the position that the homography gives an exactly measured pixel, from the sigmas stated [m^2]. The
+  /// position: on the plane, before the camera.
   [[nodiscard]] Eigen::Matrix2d covariance_at(const Eigen::Vector2d& on_plane_m) const;
 
   /// The focal length in units of the camera's own [1] that makes the plane's axes perpendicular and equally long, and

@@ -86,7 +86,7 @@ TEST(PlaneHomography, AFrontalViewDoesNotTellTheFocalLength) {
   EXPECT_FALSE(fit->focal());
 }
 
-// The error of a place is what its covariance says: e' C^-1 e has mean 2 and standard deviation 2, the squared
+// The error of a position is what its covariance says: e' C^-1 e has mean 2 and standard deviation 2, the squared
 // residuals their redundancy; four standard deviations of the means are granted. Both coordinates carry errors.
 TEST(PlaneHomography, CovarianceMatchesTheRealErrors) {
   const Wall wall;
@@ -145,7 +145,7 @@ TEST(PlaneHomography, AWrongPointShows) {
 }
 
 // Its perspective hangs on its height alone: 5 cm are 8 px there, so the scale at its ends is known to a tenth, and a
-// place between them to a few decimetres.
+// position between them to a few decimetres.
 TEST(PlaneHomography, ANarrowStripIsEnough) {
   const Wall wall;
   const std::vector<PlanePoint> strip = {wall.point("a", 2, 3), wall.point("b", 9, 3), wall.point("c", 9, 3.05),

@@ -28,21 +28,22 @@ struct PlaneView {
 /// The side of a pixel on the plane: the square root of its area [m]. Infinite where the view shows nothing.
 [[nodiscard]] double pixel_size_m(const PlaneView& view, const Eigen::Vector2d& on_plane_m);
 
-/// How far a point one metre in front of the plane is shown from its place [m]; nothing when the centre is not known.
+/// How far a point one metre in front of the plane is shown from its position [m]; nothing when the centre is not
+/// known.
 [[nodiscard]] std::optional<double> shift_per_depth(const PlaneView& view, const Eigen::Vector2d& on_plane_m);
 
 /// A rectangle of the plane.
 struct PlaneExtent {
   Eigen::Vector2d lowest, highest;
   [[nodiscard]] Eigen::Vector2d size() const { return highest - lowest; }
-  /// The place at shares of its width and height.
+  /// The position at shares of its width and height.
   [[nodiscard]] Eigen::Vector2d at(double x, double y) const {
     return lowest + Eigen::Vector2d(x, y).cwiseProduct(size());
   }
 };
 
 /// The views that together show what can be seen of an extent, the best first: that with the smallest pixels, seen most
-/// from the front, over the largest part; then what best fills the rest. At most one for each of 9 x 9 places.
+/// from the front, over the largest part; then what best fills the rest. At most one for each of 9 x 9 positions.
 [[nodiscard]] std::vector<PlaneView> views_for(std::span<const PlaneView> views, const PlaneExtent& extent);
 
 /// The grid over an extent; lower-left cell corner at its lowest corner. Errors: no cells, or more than 2^31.

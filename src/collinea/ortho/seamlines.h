@@ -20,7 +20,7 @@ struct SeamPolygon {
 void absorb_small_areas(std::size_t fewest_cells, Raster<std::uint16_t>& source);
 
 /// The areas of equal source (0: none, left out) that hang together by sides of cells, as polygons along the sides:
-/// every side is told twice by the same two corners, so that neighbours fit without gap or overlap; outlines clockwise
+/// every side is given twice by the same two corners, so that neighbours fit without gap or overlap; outlines clockwise
 /// on the map, holes the other way; no ring meets itself, rings of one polygon meet in single corners at most. In the
 /// order of their first cells.
 [[nodiscard]] std::vector<SeamPolygon> outlines_of(const Raster<std::uint16_t>& source, const MapGrid& grid);

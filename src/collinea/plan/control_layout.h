@@ -11,7 +11,7 @@
 
 namespace collinea {
 
-/// Places of control that follow from the area.
+/// Positions of control that follow from the area.
 enum class ControlPattern { kNone, kCorners, kCornersMiddle, kGrid };
 inline constexpr Word<ControlPattern> kControlPatternWords[] = {{ControlPattern::kNone, "none"},
                                                                 {ControlPattern::kCorners, "corners"},

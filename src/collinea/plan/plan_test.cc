@@ -171,7 +171,7 @@ TEST(Precision, IsThatOfAdjustingTheSimulatedBlock) {
       EXPECT_NEAR(std::sqrt(covariance(k, k) / planned.adjusted.pose_covariance.at(id)(k, k)), 1, 0.1);
 }
 
-// One place, one image and the camera of every block: independent, so their chi-squared has the known spread.
+// One position, one image and the camera of every block: independent, so their chi-squared has the known spread.
 TEST(Precision, CoversTheTrueErrorsOfManyBlocks) {
   Survey survey = small_survey("corners");
   survey.measurements.position_sigma_plan_m = 0.05;
@@ -223,7 +223,7 @@ TEST(Precision, CoversTheTrueErrorsOfManyBlocks) {
   EXPECT_NEAR(cameras / (camera_degrees * kBlocks), 1, bound(camera_degrees));
 }
 
-// More information: the covariance of every place shrinks in every direction.
+// More information: the covariance of every position shrinks in every direction.
 void expect_nowhere_worse(const Precision& more, const Precision& less) {
   ASSERT_EQ(more.cells.size(), less.cells.size());
   double gained = 0;

@@ -86,7 +86,7 @@ void write_poses(Precision& precision) {
   precision.pose_rms_m = count > 0 ? Vector3d((moves / count).cwiseSqrt()) : Vector3d::Constant(nothing);
 }
 
-// The place known worst, then those farthest from all points there are and all chosen.
+// The position known worst, then those farthest from all points there are and all chosen.
 std::vector<Vector2d> candidates_to_try(const std::vector<PlannedPoint>& points, const Precision& now, int count) {
   std::vector<Vector2d> positions, known;
   for (const PlannedPoint& point : points)
@@ -181,7 +181,7 @@ Result<std::optional<Gain>> one_more_point(const FlightPlan& plan, const std::ve
     more.push_back({"one more", ControlRole::kControl, position, sigma_m});
     COLLINEA_TRY(PlannedBlock planned, planned_block(plan, more, options));
     COLLINEA_TRY(const Precision with, predicted(std::move(planned), run));
-    run.report("places of one more control point", double(i + 1) / double(candidates.size()));
+    run.report("positions of one more control point", double(i + 1) / double(candidates.size()));
     if (best && with.area.rms_m.norm() >= best->area.rms_m.norm()) continue;
     best = Gain{GainBy::kControlPoint, position, sigma_m, with.area};
   }

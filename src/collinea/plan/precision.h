@@ -9,7 +9,7 @@
 namespace collinea {
 
 /// Standard deviations over the area, east, north and height: root mean square and, of plan (the longer of both axes)
-/// and height, the largest with its place.
+/// and height, the largest with its position.
 struct AreaSigma {
   Eigen::Vector3d rms_m = Eigen::Vector3d::Zero();
   double worst_plan_m = 0, worst_height_m = 0;
@@ -61,9 +61,9 @@ struct Gain {
   AreaSigma area;                           ///< with it
 };
 
-/// One more control point where it gains most: of the place that is known worst and others spread between the points
-/// there are, `places` in all, that which lowers the root mean square of all three axes most. Nothing when no place is
-/// left. The survey is as good as the layout says.
+/// One more control point where it gains most: of the position that is known worst and others spread between the points
+/// there are, `candidates` in all, that which lowers the root mean square of all three axes most. Nothing when no
+/// position is left. The survey is as good as the layout says.
 [[nodiscard]] Result<std::optional<Gain>> one_more_point(const FlightPlan& plan,
                                                          const std::vector<PlannedPoint>& points,
                                                          const Eigen::Vector3d& sigma_m,

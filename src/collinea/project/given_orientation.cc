@@ -61,7 +61,7 @@ Result<ReadOrientation> from_model(const Block& model, const Block& setup, const
     COLLINEA_TRY(Camera camera, fitted(model.camera_of(id), setup.camera_of(*image), file).map_error([&](Error error) {
       return std::move(error).within(path.string());
     }));
-    // What the images say of a camera: that it is known and held.
+    // What the images say of a camera: that it is known and fixed.
     camera.prior.calibrate = setup.camera_of(*image).prior.calibrate;
     cameras[setup.images.at(*image).camera].push_back(camera);
   }

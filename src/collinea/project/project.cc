@@ -69,7 +69,7 @@ Error with_advice(Error error, const fs::path& folder) {
   const double left_MB = double(fs::space(folder, unknown).available) / 1e6;
   if (error.code == Errc::kBadInput && !unknown && left_MB < kLittle_MB)
     error = std::move(error).advising(
-        fmt::format(" (only {:.0f} MB are left on the disk: make room and give the command again)", left_MB));
+        fmt::format(" (only {:.0f} MB are left on the disk: free some space and give the command again)", left_MB));
   if (error.code == Errc::kBadFormat && error.message.find("block.db") != std::string::npos)
     error = std::move(error).advising("; remove that file and give the command again: everything is computed anew");
   return error;

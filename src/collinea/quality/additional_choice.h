@@ -9,7 +9,7 @@
 
 namespace collinea {
 
-/// The standard deviations of AdditionalSet's parameters in an adjustment: weak observations of zero, 0.5 % of the
+/// The standard deviations of AdditionalSet's parameters in an adjustment: pseudo-observations of zero, 0.5 % of the
 /// focal length, where `fixed` does not name them ("a3"). Parameters of the model that the set spans by itself are
 /// fixed: b1, b2, p1, p2 and with cubic functions k1 (not of kFourier, which is no polynomial). Nothing when `fixed`
 /// names one that there is not.

@@ -12,7 +12,7 @@ namespace bundle {
 namespace {
 
 constexpr int kMostRounds = 60;
-constexpr double kSettled = 0.01;  // of the eigenvalue: what is told has one digit
+constexpr double kSettled = 0.01;  // of the eigenvalue: what is reported has one digit
 constexpr std::size_t kNamed = 3;
 constexpr double kLeastShare = 0.05;  // of the combination, to be named
 

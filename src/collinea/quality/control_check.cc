@@ -152,7 +152,7 @@ void check_points_among_each_other(std::vector<LocatedPoint>& located_points, Co
   }
 }
 
-// Check points far off what the control says: for the user to know, nothing is excluded.
+// Check points that contradict the control: for the user to know, nothing is excluded.
 void name_wrong_check_points(const std::vector<LocatedPoint>& located_points, const std::vector<LocatedPoint>& checks,
                              ControlDiagnosis& diagnosis) {
   const std::vector<PositionPair> pairs = pairs_of(located_points);

@@ -77,8 +77,8 @@ TEST(Adjust, CovarianceMatchesTheRealErrors) {
   EXPECT_NEAR(focal.mean(), 1, 4 * focal.sigma_of_mean());
 }
 
-// Points measured without error in the adjusted images are off by what Examined::places says, and by nothing else:
-// chi-squared with 3 degrees of freedom, as above.
+// Points measured without error in the adjusted images are off by what Examined::point_precisions says, and by nothing
+// else: chi-squared with 3 degrees of freedom, as above.
 TEST(Adjust, PositionsMeasuredWithoutErrorAreAsFarOffAsTheImagesMakeThem) {
   ExamineOptions options = examined(Calibration::kFocal);
   Series points;

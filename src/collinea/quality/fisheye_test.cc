@@ -64,8 +64,8 @@ class FisheyeBundle : public ::testing::TestWithParam<CameraModel> {};
 INSTANTIATE_TEST_SUITE_P(Models, FisheyeBundle, ::testing::Values(Equidistant{}, Equisolid{}, KannalaBrandt{}),
                          [](const auto& tested) { return std::string(name_of(tested.param)); });
 
-// From a camera without distortion and a focal length 3 % off. With 1e-4 px nothing but rounding and the weak
-// observations of the parameters is left: these are of 0.2 to 0.5 where measurements give 1e-6.
+// From a camera without distortion and a focal length 3 % off. With 1e-4 px nothing but rounding and the
+// pseudo-observations of the parameters is left: these are of 0.2 to 0.5 where measurements give 1e-6.
 TEST_P(FisheyeBundle, FindsTheCamera) {
   const Camera camera = fisheye(GetParam());
   const Block truth = block_of(camera, 1e-4, 1);

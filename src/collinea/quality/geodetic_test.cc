@@ -187,7 +187,7 @@ TEST(Geodetic, HeightDifferencesLevelABlock) {
   for (auto& [id, point] : made.block.points) point.position_in_world = rotation * point.position_in_world;
   const auto adjusted = examine(made.block, {}, tested(), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
-  EXPECT_EQ(adjusted->rank_defect, 4);  // place and north
+  EXPECT_EQ(adjusted->rank_defect, 4);  // position and north
   std::map<ControlId, double> height;
   for (const ControlDifference& point : adjusted->control) height[point.point] = point.position_in_world->z();
   for (const auto& [id, at] : made.truth)

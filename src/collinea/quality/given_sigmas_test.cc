@@ -97,7 +97,7 @@ TEST(CameraSigmas, OfANamedSetAreThatSet) {
   EXPECT_EQ(named->observation_count, given->observation_count);
 }
 
-// Free: no observation of the parameter. Weighted: one, which pulls it. Held: not moved.
+// Free: no observation of the parameter. Weighted: one, which draws it to its value. Fixed: not moved.
 TEST(CameraSigmas, EachParameterTakesPartAsItIsAsked) {
   const Block block = test_block({.sigma_px = 0.5, .control = 9});
   AdjustScope scope{.first_cameras = block.cameras};

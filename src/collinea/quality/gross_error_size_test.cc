@@ -69,7 +69,7 @@ TEST(GrossErrorSize, AGrossErrorOnTheGroundGoesHoweverLargeItIs) {
         }
       }
     }
-  // Two sizes in each of the four blocks: with a redundancy of 0.1 the least blunder is 13 sigmas.
+  // Two sizes in each of the four blocks: with a redundancy of 0.1 the minimal detectable bias is 13 sigmas.
   for (std::size_t kind = 0; kind < kGeodeticKinds; ++kind) EXPECT_GE(tried[kind], 8) << kGeodeticKindNames[kind];
 }
 
@@ -138,7 +138,7 @@ TEST(GrossErrorSize, RaysThatWereSpoiltByOthersComeBack) {
       const Rays now = rays_of(snooped->block);
       for (const auto& ray : now) EXPECT_TRUE(left_without.contains(ray)) << ray.first.value << " " << ray.second.value;
       lost += static_cast<int>(left_without.size() - now.size());
-      // What is told to be out is what is missing, a point that lost one of two rays without the other.
+      // What is reported as rejected is what is missing, a point that lost one of two rays without the other.
       std::size_t out = block.observations.size() - left.size();
       for (const Rejected& rejected : snooped->rejected)
         if (rejected.group == ObservationGroup::kTieImages) {

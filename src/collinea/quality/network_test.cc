@@ -95,7 +95,7 @@ TEST(Network, PositionsOfStationsAreFoundFromWhatTheyMeasured) {
   EXPECT_LT((positions.at({4}) - made.truth.at({4})).norm(), 1e-9);
 }
 
-// The block's place and north are its own, its scale and level the network's.
+// The block's position and north are its own, its scale and level the network's.
 TEST(Network, GivesScaleAndLevelToABlockWithout) {
   Network made = network(1, 0, false);
   const Eigen::Quaterniond rotation = rotation_by({0.02, -0.03, 0.8});
@@ -108,7 +108,7 @@ TEST(Network, GivesScaleAndLevelToABlockWithout) {
   const auto adjusted = examine(made.block, {}, tested(), kRun);
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   EXPECT_TRUE(adjusted->converged);
-  EXPECT_EQ(adjusted->rank_defect, 4);  // place and north
+  EXPECT_EQ(adjusted->rank_defect, 4);  // position and north
   std::map<ControlId, Eigen::Vector3d> found;
   for (const ControlDifference& point : adjusted->control) found[point.point] = *point.position_in_world;
   ASSERT_EQ(found.size(), made.truth.size());
@@ -120,7 +120,7 @@ TEST(Network, GivesScaleAndLevelToABlockWithout) {
   EXPECT_NEAR(adjusted->reliability->redundancy_sum, double(adjusted->redundancy), 1e-3);
 }
 
-// Stations with coordinates, which no image shows: through what they measured the block has its place.
+// Stations with coordinates, which no image shows: through what they measured the block has its position.
 TEST(Network, StationsWithCoordinatesPlaceTheBlock) {
   Network made = network(1, 0, false);
   for (std::uint32_t s = 0; s < Network::kStations; ++s) {
@@ -136,7 +136,7 @@ TEST(Network, StationsWithCoordinatesPlaceTheBlock) {
   EXPECT_TRUE(!adjusted->undetermined);
 }
 
-// Stations, targets and orientations over their covariances, of 60 blocks that the stations place.
+// Stations, targets and orientations over their covariances, of 60 blocks whose positions come from the stations.
 TEST(Network, ErrorsOfStationsAndPointsAreAsLargeAsTheirSigmas) {
   constexpr int kBlocks = 60;
   double stations = 0, targets = 0, orientations = 0, residuals = 0, freedom = 0;
@@ -193,8 +193,8 @@ TEST(Network, AGrossErrorIsFound) {
   }
 }
 
-// Nothing places this block and its stations, which no image shows: all of them are in the datum of the tie points. A
-// station that an image shows, by a ray that weighs nothing, has the same covariance.
+// Nothing fixes the position of this block and its stations, which no image shows: all of them are in the datum of the
+// tie points. A station that an image shows, by a ray that weighs nothing, has the same covariance.
 TEST(Network, StationsThatNoImageShowsAreInTheDatumOfTheOthers) {
   Network made = network(2, 0.5, true);
   const auto unseen = examine(made.block, {}, tested(), kRun);
@@ -274,7 +274,7 @@ TEST(Network, ABlockThatHangsOnStationsGoesAllTheWay) {
     }
 }
 
-// One distance does not place a station; without its points being known a set-up is nowhere.
+// One distance does not determine the position of a station; without its points being known a set-up is nowhere.
 TEST(Network, WhatDoesNotDetermineAPointIsLeftOut) {
   Network made = network(1, 0, false);
   std::erase_if(made.block.geodetic, [](const GeodeticObservation& one) {

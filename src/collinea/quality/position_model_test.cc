@@ -153,7 +153,7 @@ TEST(PositionModel, ErrorsAreAsLargeAsTheirSigmas) {
     EXPECT_NEAR(sum / kBlocks, 1, 4 * std::sqrt(2.0 / kBlocks)) << static_cast<int>(kind);
 }
 
-// An arm that is known is taken out, whatever its size.
+// An arm that is known is removed, whatever its size.
 TEST(PositionModel, AGivenLeverArmIsUsed) {
   Flight made = flight(0, 0, 0, 1, false);
   made.scope.lever_arms[{1}] = {kArm, Eigen::Vector3d::Zero()};

@@ -146,7 +146,7 @@ TEST(Shape, APlaneHelpsItsPoints) {
     EXPECT_LT(with->control[i].covariance_m2->trace(), without->control[i].covariance_m2->trace());
 }
 
-// Three points at one height level a block whose scale and place are fixed by nothing; planes and lines hold nothing.
+// Three points at one height level a block whose scale and position are fixed by nothing; planes and lines fix nothing.
 TEST(Shape, HeightsLevelABlock) {
   for (const GeodeticKind kind : kShapes) {
     Marked made = on_shape(kind, 0, 1, 0, 0);

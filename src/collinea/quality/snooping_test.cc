@@ -32,7 +32,7 @@ testing::TestBlockOptions small(std::uint64_t seed = 1) {
       .rows = 3, .columns = 4, .points = 120, .sigma_px = 0.5, .position_sigma_m = 0.05, .control = 9, .seed = seed};
 }
 
-// Eight gross errors of 15 sigmas in different points: all are found, worst first by round, and each is told within
+// Eight gross errors of 15 sigmas in different points: all are found, worst first by round, and each is reported within
 // four of its standard deviations. Of 2000 good coordinates one exceeds the limit of 0.1 % by chance; a dozen never do.
 TEST(Snooping, TakesOutPlantedGrossErrorsAndTellsTheirSize) {
   Block block = test_block(small());
@@ -201,7 +201,7 @@ TEST(Snooping, ThreadsDoNotChangeWhatGoes) {
 
 // --- measurements on the ground, and attitudes
 
-// Exact places, then errors of everything.
+// Exact positions, then errors of everything.
 Surveyed surveyed(std::uint64_t seed) {
   testing::TestBlockOptions options{.rows = 2, .columns = 4, .points = 60, .control = 6, .seed = seed};
   Surveyed made{test_block(options), {}};

@@ -31,7 +31,7 @@ Block with_sigmas(const Block& block, const SigmaFactors& factors) {
   for (ControlObservation& seen : scaled.control_observations)
     seen.sigma_px *= factor_of(factors, ObservationGroup::kControlImages);
   for (auto& [id, control] : scaled.control) {
-    if (control.role != ControlRole::kControl) continue;  // what is only compared tells nothing, and is told nothing
+    if (control.role != ControlRole::kControl) continue;  // what is only compared tells nothing, and gets no factor
     control.sigma_m.head<2>() *= factor_of(factors, ObservationGroup::kControlPlan);
     control.sigma_m.z() *= factor_of(factors, ObservationGroup::kControlHeight);
   }
@@ -49,7 +49,7 @@ Result<VarianceComponents> estimate_variance_components(const Block& block, cons
                                                         const ExamineOptions& options, const Run& run) {
   ExamineOptions asked = options;
   asked.reliability = true;
-  AdjustScope around = scope;  // the weak observations stay those of the beginning
+  AdjustScope around = scope;  // the pseudo-observations stay those of the beginning
   for (const auto& [id, camera] : block.cameras) around.first_cameras.try_emplace(id, camera);
   VarianceComponents found;
   found.factors = as_given();

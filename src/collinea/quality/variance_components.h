@@ -14,7 +14,7 @@ using SigmaFactors = std::array<double, kObservationGroups>;
 
 /// The outcome of estimating variance components.
 struct VarianceComponents {
-  /// 1 for groups of which too little is told. One that became so on the way (its errors are drowned in those of what
+  /// 1 for groups of which too little is known. One that became so on the way (its errors are drowned in those of what
   /// checks it) keeps the factor it had then, an upper bound; its standard deviation is then 40 % and more.
   SigmaFactors factors;
   SigmaFactors sigma;  ///< standard deviation of each factor, from its redundancy numbers; 0 where not estimated

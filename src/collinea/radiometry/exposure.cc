@@ -26,7 +26,7 @@ ChannelTable directions() {
   return table;
 }
 
-// A place as one image shows it: what the logarithm of its colour depends on besides the place itself.
+// A point as one image shows it: what the logarithm of its colour depends on besides the point itself.
 struct Sighting {
   std::uint32_t image, camera;
   float r2;
@@ -34,10 +34,10 @@ struct Sighting {
   std::array<float, 3> log_colour;
 };
 
-// All sightings of points that two images and more see, place by place.
+// All sightings of points that two images and more see, point by point.
 struct Sightings {
   std::vector<Sighting> all;
-  std::vector<std::size_t> first;  // of each place, and the end
+  std::vector<std::size_t> first;  // of each point, and the end
 };
 
 Sightings sightings_of(std::span<const std::vector<ColourSample>> samples, std::span<const std::uint32_t> cameras) {
@@ -115,8 +115,8 @@ std::vector<Vector> trends_of(const Sightings& sightings, std::span<const Standp
   return trends;
 }
 
-// One channel's least squares. The logarithm of a sighting is that of the place + x[image] - x[camera] r2 +
-// x[direction]; the places are eliminated: the mean over a place's sightings is taken off both sides.
+// One channel's least squares. The logarithm of a sighting is that of the point + x[image] - x[camera] r2 +
+// x[direction]; the points are eliminated: the mean over a point's sightings is taken off both sides.
 class ChannelFit {
  public:
   ChannelFit(const Sightings& sightings, const Unknowns& unknowns, const std::vector<Vector>& trends,
@@ -148,7 +148,7 @@ class ChannelFit {
   std::vector<float> weights_;
   Vector prior_weight_, diagonal_, right_;
   double smoothness_ = 0, steadiness_ = 0;
-  std::vector<double> values_;  // of a place's sightings
+  std::vector<double> values_;  // of a point's sightings
 
   [[nodiscard]] double value(const Vector& x, const Sighting& s) const {
     double sum = x[s.image] - x[unknowns_.camera(s.camera)] * double(s.r2);
@@ -163,7 +163,7 @@ class ChannelFit {
       y[unknowns_.node(std::size_t(s.direction.node[k]))] += v * double(s.direction.weight[k]);
   }
 
-  // Sum over all sightings of weight * (of - its mean over the place) times what each depends on.
+  // Sum over all sightings of weight * (of - its mean over the point) times what each depends on.
   template <class Of>
   void collect(Vector& y, const Of& of) {
     for (std::size_t p = 0; p + 1 < sightings_.first.size(); ++p) {
@@ -178,7 +178,7 @@ class ChannelFit {
     }
   }
 
-  // Beliefs, all in the weight that an image's places have in the mean. An image's gain is drawn to 1 by a five
+  // Beliefs, all in the weight that an image's points have in the mean. An image's gain is drawn to 1 by a five
   // hundredth, so that chains of images do not drift. A trend of the gains by a tenth, but the directions, all
   // together, by a fiftieth only: over many images a trend is the directions', between two it is their exposure. The
   // gains of directions are smooth: a node with two sightings and a fiftieth of the usual number believes its
@@ -287,7 +287,7 @@ std::vector<float> darkness_of_directions(const Vector& x, const Unknowns& unkno
   return gains;
 }
 
-// Smoothed over a quarter of the mean distance of the places that an image shows.
+// Smoothed over a quarter of the mean distance of the points that an image shows.
 ChannelTable darkness_at(const ChannelTable& darkness, std::span<const Eigen::Vector2d> positions,
                          std::span<const std::vector<ColourSample>> samples, std::span<const Standpoint> standpoints) {
   std::vector<ChannelValues> sums(positions.size());

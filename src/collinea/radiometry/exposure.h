@@ -27,8 +27,8 @@ struct ColourBalance {
   /// horizontal components of the unit vector from the ground to the camera. Ground reflects more light back to the
   /// sun (the hot spot round the shadow of the camera) than away from it.
   ChannelTable directions;
-  /// The mean of `directions` over the images that show a place neither cut off nor black, over x and y of the world.
-  /// The colour of a place is that mean of what is seen of it: at the border of the block, which all see from the same
+  /// The mean of `directions` over the images that show a point neither cut off nor black, over x and y of the world.
+  /// The colour of a point is that mean of what is seen of it: at the border of the block, which all see from the same
   /// side, it stays what the images show.
   ChannelTable mean_darkness;
 
@@ -46,7 +46,7 @@ struct ColourSample {
   std::uint32_t position_index = 0;
   float r2 = 0;
   std::array<float, 3> log_colour{};
-  Eigen::Vector2d direction = Eigen::Vector2d::Zero();  ///< horizontal part of the unit vector from place to camera
+  Eigen::Vector2d direction = Eigen::Vector2d::Zero();  ///< horizontal part of the unit vector from point to camera
 };
 
 /// The camera of an image, and where in plan it was taken.
@@ -55,17 +55,17 @@ struct Standpoint {
   Eigen::Vector2d at;
 };
 
-/// Gains, fall-off and brightness of directions from places seen in several images: least squares in logarithms with
+/// Gains, fall-off and brightness of directions from points seen in several images: least squares in logarithms with
 /// robust weights. A trend of the exposures over the block and a trend of the brightness with the direction explain the
 /// same differences between neighbours; the second is taken, because exposures have no reason to follow the ground, and
-/// gains that do would pile up to a cast at the border of the block. `places`: in plan; `samples[i]` are those of
-/// image i, ascending by place; images with the same `standpoints[i].camera` share a fall-off. Images without
-/// common places keep gain 1. Error: cancelled.
+/// gains that do would pile up to a cast at the border of the block. `positions`: in plan; `samples[i]` are those of
+/// image i, ascending by position_index; images with the same `standpoints[i].camera` share a fall-off. Images without
+/// common points keep gain 1. Error: cancelled.
 [[nodiscard]] Result<ColourBalance> balance_exposures(std::span<const Eigen::Vector2d> positions,
                                                       std::span<const std::vector<ColourSample>> samples,
                                                       std::span<const Standpoint> standpoints, const Run& run);
 
-/// Looks up the places in all images (at an eighth of their size) and balances them. Errors: an image cannot be
+/// Looks up the points in all images (at an eighth of their size) and balances them. Errors: an image cannot be
 /// read; cancelled.
 [[nodiscard]] Result<ColourBalance> balance_of(const std::vector<View>& views,
                                                std::span<const Eigen::Vector3d> positions_in_world,

@@ -11,7 +11,7 @@
 namespace collinea {
 namespace {
 
-// A strip of 12 images, each overlapping the next two; a fifth of the places shows something else in each image.
+// A strip of 12 images, each overlapping the next two; a fifth of the points shows something else in each image.
 TEST(Exposures, GainsAndFalloffAreRecoveredDespiteOutliers) {
   Random random(11);
   constexpr int kImages = 12;
@@ -75,7 +75,7 @@ TEST(Exposures, LightSentBackToTheSunDoesNotBecomeATrendOfTheGains) {
   }
   // The directions' trend of 0.5 would make 0.1 from image to image. What is left is the chance trend of the gains.
   EXPECT_NEAR(trend / squares, 0, 0.01);
-  // Every place looks the same from everywhere. How much of that the fall-off does is arbitrary.
+  // Every point looks the same from everywhere. How much of that the fall-off does is arbitrary.
   const auto corrected = [&](const Eigen::Vector2d& t) {
     const Eigen::Vector2d u = t / std::sqrt(1 + t.squaredNorm());
     return double(balance.exposures[0].falloff[1]) * 2 * t.squaredNorm() + double(balance.directions.at(u)[1]) +

@@ -38,9 +38,9 @@ struct View {
          pixel.y() <= view.camera.height_px - kRim;
 }
 
-/// How well a view serves for a place: 0 straight from above in the middle of the image; grows with the square of the
+/// How well a view serves for a point: 0 straight from above in the middle of the image; grows with the square of the
 /// tangent of the nadir distance, towards the border of the image and with pixels larger than the wanted cell. A
-/// smooth function of the place. Huge where the view shows nothing.
+/// smooth function of the point. Huge where the view shows nothing.
 [[nodiscard]] float cost_of(const View& view, const Eigen::Vector3d& point_in_world, double cell_m);
 constexpr float kUseless = 1000;
 

@@ -26,8 +26,8 @@ struct MapGrid {
   [[nodiscard]] double row_of(double at_north_m) const { return (north_m - at_north_m) / cell_m; }
 };
 
-/// Whether cells of two rasters are the same places, but for what decimal numbers in files do: a thousandth of a cell.
-/// The CRS is not looked at.
+/// Whether cells of two rasters lie at the same positions, up to the rounding of decimal numbers in files: a thousandth
+/// of a cell. The CRS is not looked at.
 [[nodiscard]] bool same_cells(const MapGrid& a, const MapGrid& b);
 
 /// Writes a raster on disk block by block (tiled GeoTIFF, DEFLATE, floating-point or byte samples); the file appears

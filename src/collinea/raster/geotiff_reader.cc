@@ -64,7 +64,7 @@ Result<> GeoTiffReader::State::read_description() {
 
   double corner[6];
   if (GDALGetGeoTransform(file, corner) != CE_None) {
-    grid.north_m = grid.height;  // no place: cells of 1, lower-left corner at (0, 0)
+    grid.north_m = grid.height;  // not georeferenced: cells of 1, lower-left corner at (0, 0)
     return {};
   }
   if (!std::isfinite(corner[0]) || !std::isfinite(corner[3]) || !std::isfinite(corner[1]))

@@ -292,7 +292,7 @@ std::string tiff_of(const std::vector<Tag>& tags) {
   return bytes;
 }
 
-// One of 64 x 64 pixels whose only tile is said to be this large.
+// One of 64 x 64 pixels whose only tile is stated to be this large.
 std::string small_tiff_with_large_tile(std::uint32_t width, std::uint32_t height) {
   return tiff_of({{256, 64},
                   {257, 64},

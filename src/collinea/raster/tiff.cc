@@ -60,7 +60,7 @@ std::uint64_t px_per_byte(const Layout& it) {
   return it.compression == COMPRESSION_NONE ? 8 / std::max(1, std::min(8, it.bits * it.samples)) : kTiffPxPerByte;
 }
 
-// Strips are as wide as the image and not higher; a tile may be said to be of any size.
+// Strips are as wide as the image and not higher; a tile may be stated to be of any size.
 Result<> check_layout(const Layout& it, std::uint64_t file_bytes) {
   COLLINEA_TRY(check_size(it.width, it.height, file_bytes, px_per_byte(it)));
   if (!it.tiled) return {};

@@ -9,6 +9,7 @@
 #include "collinea/report/internal/adjustment_findings.h"
 #include "collinea/report/internal/adjustment_products.h"
 #include "collinea/report/internal/cells.h"
+#include "collinea/report/internal/counted.h"
 #include "collinea/report/internal/page.h"
 #include "collinea/report/internal/svg.h"
 #include "collinea/report/value_words.h"
@@ -141,9 +142,8 @@ std::string folded_table(const AdjustmentReport& report, const Folded& folded) {
       folded.folds);
   for (const bool height : {false, true})
     if (const LeftOutRms rms = rms_of(folded.points, height); rms.points > 0)
-      html +=
-          fmt::format("{}: root mean square {:.{}f} m over {} points, predicted {:.{}f} m. ",
-                      height ? "Height" : "Plan", rms.difference_m, kDecimals, rms.points, rms.predicted_m, kDecimals);
+      html += fmt::format("{}: root mean square {:.{}f} m over {}, predicted {:.{}f} m. ", height ? "Height" : "Plan",
+                          rms.difference_m, kDecimals, counted(rms.points, "point"), rms.predicted_m, kDecimals);
   html += "</p>\n" + head({"point", "part", "east [m]", "north [m]", "height [m]", "&sigma; east", "&sigma; north",
                            "&sigma; height"});
   for (std::size_t k = 0; k < folded.points.size(); ++k) {
@@ -187,19 +187,25 @@ std::string test_rows(const std::vector<TestedObservation>& observations, const 
   return html + "</tbody></table>\n";
 }
 
+std::string words_of_unseen(long count) {
+  if (count == 0) return "";
+  if (count == 1)
+    return " 1 measurement is of a point that lies where its image does not see it, behind it or out of its field: "
+           "nothing can be stated of its size, and it comes first.";
+  return fmt::format(
+      " {} measurements are of points that lie where their image does not see them, behind it or out of its field: "
+      "nothing can be stated of their size, and they come first.",
+      count);
+}
+
 std::string tests_section(const AdjustmentReport& report, const Reliability& tests) {
   std::string html = fmt::format(
-      "<section><h2>Suspected blunders</h2>\n<p>Of {} observations {} exceed the limit {:.2f} of {}; about {:.0f} "
-      "would "
-      "do so by chance (level {:g}). Test again after taking out the worst, which comes first: one blunder spoils its "
+      "<section><h2>Suspected gross errors</h2>\n<p>Of {} {} {} the limit {:.2f} of {}; about {:.0f} would do so by "
+      "chance (level {:g}). Test again after rejecting the worst, which comes first: one gross error spoils its "
       "neighbours, and some of them may have a larger w.{}{}</p>\n",
-      tests.tested, tests.rejected, tests.limit, tests.sigma0_known ? "Baarda's w" : "Pope's tau",
-      tests.false_alarm * double(tests.tested), tests.false_alarm,
-      tests.unseen > 0 ? fmt::format(" {} measurements are of points that lie where their image does not see them, "
-                                     "behind it or out of its field: nothing can be said of their size, and they "
-                                     "come first.",
-                                     tests.unseen)
-                       : "",
+      counted(tests.tested, "observation"), tests.rejected, tests.rejected == 1 ? "exceeds" : "exceed", tests.limit,
+      tests.sigma0_known ? "Baarda's w" : "Pope's tau", tests.false_alarm * double(tests.tested), tests.false_alarm,
+      words_of_unseen(tests.unseen),
       tests.suspects.size() > kMostRows ? " The worst are shown; suspects.csv has more." : "");
   if (!tests.suspects.empty()) html += test_rows(tests.suspects, report.block, tests.limit);
   html += "</section>\n";

@@ -38,7 +38,7 @@ struct AdjustmentReport {
 
 /// Unknowns beside those of images, cameras and points, without those of shapes, whose numbers tell nobody anything.
 [[nodiscard]] std::vector<EstimatedUnknown> shown_unknowns(const Adjusted& adjusted);
-/// They are told in m, m/s (where times are known), s and deg.
+/// They are reported in m, m/s (where times are known), s and deg.
 [[nodiscard]] const char* unit_of(UnknownKind kind);
 [[nodiscard]] double in_unit(UnknownKind kind, double value);
 

@@ -8,6 +8,7 @@
 #include "collinea/report/finding_words.h"
 #include "collinea/report/internal/adjustment_findings.h"
 #include "collinea/report/internal/cells.h"
+#include "collinea/report/internal/counted.h"
 #include "collinea/report/internal/svg.h"
 #include "collinea/report/json_values.h"
 
@@ -41,7 +42,7 @@ std::string name_of(const Rejected& rejected, const Block& block) {
   }
 }
 
-// Angles are told in degrees.
+// Angles are reported in degrees.
 bool is_angle(const Rejected& rejected) { return collinea::is_angle(rejected.group); }
 const char* unit(const Rejected& rejected) {
   return is_image_point(rejected.group) ? "px" : is_angle(rejected) ? "deg" : "m";
@@ -80,10 +81,11 @@ std::string snooping_section(const AdjustmentReport& report) {
   if (!report.snooped) return "";
   const Snooped& snooped = *report.snooped;
   std::string html = fmt::format(
-      "<section><h2>Data snooping</h2>\n<p>{} observations were rejected in {} adjustments; sigma 0 with all of them "
-      "was {:.3f}.{}{} Gross error: measured minus what the adjustment without it says. Influence: by how much the "
+      "<section><h2>Data snooping</h2>\n<p>{} {} rejected in {}; sigma 0 with all observations was {:.3f}.{}{} Gross "
+      "error: measured minus what the adjustment without it says. Influence: by how much the "
       "adjusted value followed it while it took part.</p>\n",
-      snooped.rejected.size(), snooped.rounds, snooped.sigma0_before,
+      counted(snooped.rejected.size(), "observation"), snooped.rejected.size() == 1 ? "was" : "were",
+      counted(snooped.rounds, "adjustment"), snooped.sigma0_before,
       snooped.finished ? "" : " More are suspect: the bound was reached.",
       snooped.put_back > 0 ? fmt::format(" {} that another gross error had spoilt came back.", snooped.put_back) : "");
   if (!snooped.rejected.empty()) {

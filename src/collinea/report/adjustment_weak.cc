@@ -19,7 +19,7 @@ using json = nlohmann::ordered_json;
 constexpr double kWeak = 5;  // times the median standard deviation, as where weak images are named
 constexpr std::size_t kShown = 10, kListed = 100;
 
-// An image or a tie point and how well its place is known.
+// An image or a tie point and how well its position is known.
 struct Known {
   std::uint32_t id = 0;
   double sigma_m = 0;  // of the worst direction

@@ -67,8 +67,8 @@ std::string surface_lines(const SurfaceErrors& e, const std::optional<double>& r
 
 std::string wall_line(const WallErrors& e, double unit_m) {
   return fmt::format(
-      "surface model, walls               {} places   RMS {:.4f} m = {:.2f} GSD   median {:.2f} GSD   mean {:+.4f} m   "
-      "within 2 GSD {:.1f} %\n",
+      "surface model, walls               {} samples   RMS {:.4f} m = {:.2f} GSD   median {:.2f} GSD   mean {:+.4f} m  "
+      " within 2 GSD {:.1f} %\n",
       e.samples, e.rms_m, e.rms_m / unit_m, e.median_m / unit_m, e.mean_m, 100 * e.share_within);
 }
 

@@ -61,9 +61,10 @@ TEST(AssessmentText, WithTheSizeOfAPixelErrorsAreTimesThat) {
   assessment.gsd_m = 0.05;
   const std::string text = assessment_text(assessment);
   EXPECT_NE(text.find("RMSE 0.2000 m = 4.00 GSD"), std::string::npos) << text;
-  EXPECT_NE(text.find("surface model, walls               12 places   RMS 0.1000 m = 2.00 GSD   median 1.00 GSD   mean "
-                      "+0.0200 m   within 2 GSD 75.0 %\n"),
-            std::string::npos)
+  EXPECT_NE(
+      text.find("surface model, walls               12 samples   RMS 0.1000 m = 2.00 GSD   median 1.00 GSD   mean "
+                "+0.0200 m   within 2 GSD 75.0 %\n"),
+      std::string::npos)
       << text;
 }
 

@@ -35,6 +35,8 @@ struct Words {
         std::vector<Subject>(finding.subjects.begin() + static_cast<std::ptrdiff_t>(i), finding.subjects.end()), block);
   }
   [[nodiscard]] bool one() const { return (*this)[F::kCount] == 1; }
+  /// The first of those that are counted, or the only one: ", the first: X" or ": X".
+  [[nodiscard]] std::string first(std::size_t i) const { return (one() ? ": " : ", the first: ") + subject(i); }
   /// "1 image", "3 images".
   [[nodiscard]] std::string counted(F name, const char* what) const {
     return whole(name) + " " + what + ((*this)[name] == 1 ? "" : "s");
@@ -67,12 +69,13 @@ std::string words_of_given(const Words& w) {
                          w.subject(0), w[F::kLowest], w[F::kHighest]);
     case C::kPositionsOfOthers:
     case C::kPositionsAmbiguous:
-      return fmt::format("{} of {} images of {} are not among the images here, the first: {}.{}", w.whole(F::kCount),
-                         w.whole(F::kOf), w.subject(0), w.subject(1),
+      return fmt::format("{} of {} images of {} {} not among the images here{}.{}", w.whole(F::kCount), w.whole(F::kOf),
+                         w.subject(0), w.one() ? "is" : "are", w.first(1),
                          w.finding.code == C::kPositionsAmbiguous ? " Several images end in one number." : "");
     case C::kPositionsNotStated:
-      return fmt::format("{} of {} images are not in {} and keep what their headers state.", w.whole(F::kCount),
-                         w.whole(F::kOf), w.subject(0));
+      return fmt::format("{} of {} images {} not in {} and {}.", w.whole(F::kCount), w.whole(F::kOf),
+                         w.one() ? "is" : "are", w.subject(0),
+                         w.one() ? "keeps what its header states" : "keep what their headers state");
     case C::kTimesOfHeaders:
       return "Times are taken from the headers of the images, because " + w.subject(0) +
              " does not state those of all.";
@@ -143,7 +146,10 @@ std::string words_of_control(const Words& w) {
     case C::kControlPointByPositions:
       return wrong_point(w, "the other points and the positions of the images");
     case C::kCheckPoint:
-      return fmt::format("Check point {} is {:.1f} m off what the control points state.", w.subject(0), w[F::kOffset]);
+      return fmt::format(
+          "Check point {} contradicts the control points: its coordinates differ by {:.1f} m from what they show. Look "
+          "at its coordinates and at its measurements.",
+          w.subject(0), w[F::kOffset]);
     case C::kControlInconsistent:
       return fmt::format("{} contradict each other by {:.1f} m by the positions of the images: one of them is wrong.",
                          w.all(), w[F::kOffset]);
@@ -336,9 +342,10 @@ std::string words_of_weak_images(const Words& w) {
       return "Images cannot be determined: " + w.all() + ". Fewer than three of their points are known elsewhere.";
     case C::kGeodeticLeftOut:
       return fmt::format(
-          "{} of {} measurements on the ground take no part: too few images show their points, or these "
-          "do not determine their plane, line or height and one point more.",
-          w.whole(F::kCount), w.whole(F::kOf));
+          "{} of {} measurements on the ground {} no part: too few images show {} points, or these "
+          "do not determine {} plane, line or height and one point more.",
+          w.whole(F::kCount), w.whole(F::kOf), w.one() ? "takes" : "take", w.one() ? "its" : "their",
+          w.one() ? "its" : "their");
     case C::kWeakImages:
       return fmt::format("Images are known more than five times worse than the others: {}, {:.2g} m against {:.2g} m.",
                          w.all(), w[F::kSigma], w[F::kTypicalSigma]);
@@ -398,11 +405,11 @@ std::string words_of_weak_cases(const Words& w) {
     case C::kPairsContradict:
     case C::kPairsContradictWhileRead:
       return fmt::format(
-          "{} of images agree between themselves but not with the block, most of all {} ({} matches): "
+          "{} of images {} but not with the block, most of all {} ({} matches): "
           "{}repeated structure (windows, rows of trees), or things that moved. Such matches were left "
           "out.",
-          w.counted(F::kCount, "pair"), w.all(), w.whole(F::kMatches),
-          w.finding.code == C::kPairsContradictWhileRead ? "the rolling shutter, " : "");
+          w.counted(F::kCount, "pair"), w.one() ? "agrees in itself" : "agree between themselves", w.all(),
+          w.whole(F::kMatches), w.finding.code == C::kPairsContradictWhileRead ? "the rolling shutter, " : "");
     case C::kCriticalSurface:
       return "Tie points and projection centres lie on one curved surface (cylinder, cone, hyperboloid): a critical "
              "surface, on which other shapes explain the images as well.";
@@ -458,30 +465,30 @@ std::string words_of_orientation(const Words& w) {
   switch (w.finding.code) {
     case C::kFewFitGiven:
       return fmt::format(
-          "Only {} of {} measurements of tie points fit the poses of {}: these are of other images, or "
+          "Only {} of {} measurements of tie points {} the poses of {}: these are of other images, or "
           "in another convention, or their cameras are wrong.",
-          w.whole(F::kCount), w.whole(F::kOf), w.subject(0));
+          w.whole(F::kCount), w.whole(F::kOf), w.one() ? "fits" : "fit", w.subject(0));
     case C::kLooseGiven:
-      return fmt::format(
-          "Fewer than {} tie points fit the pose of {}, the first: {}. Nothing here speaks for these "
-          "poses.",
-          w.whole(F::kLimit), w.counted(F::kCount, "image"), w.subject(0));
+      return fmt::format("Fewer than {} tie points fit the pose{} of {}{}. Nothing here speaks for {}.",
+                         w.whole(F::kLimit), w.one() ? "" : "s", w.counted(F::kCount, "image"), w.first(0),
+                         w.one() ? "this pose" : "these poses");
     case C::kAdditionalFixed:
       return "Poses are fixed as given: no camera gets additional parameters.";
     case C::kAdditionalUncalibrated:
       return "No camera is calibrated: none gets additional parameters.";
     case C::kAdditionalSignificant:
-      return fmt::format("Of {}, {} of {} additional parameters are significant.", w.subject(0), w.whole(F::kCount),
-                         w.whole(F::kOf));
+      return fmt::format("Of {}, {} of {} additional parameters {} significant.", w.subject(0), w.whole(F::kCount),
+                         w.whole(F::kOf), w.one() ? "is" : "are");
     case C::kInstrument:
       return instrument_words(w);
     case C::kInstrumentsMore:
       return "Shifts and drifts of other strips that are not listed: " + w.whole(F::kCount) + ".";
     case C::kPartApart:
-      return fmt::format("{} hang together but not with the block: {} ... {}.", w.counted(F::kCount, "image"),
-                         w.subject(0), w.subject(1));
+      return w.one() ? "1 image hangs together with no other: " + w.subject(0) + "."
+                     : fmt::format("{} hang together but not with the block: {} ... {}.", w.counted(F::kCount, "image"),
+                                   w.subject(0), w.subject(1));
     case C::kImagesAlone:
-      return w.counted(F::kCount, "image") + " could not be oriented, the first: " + w.subject(0) + ".";
+      return w.counted(F::kCount, "image") + " could not be oriented" + w.first(0) + ".";
     default:
       return "";
   }

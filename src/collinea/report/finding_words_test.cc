@@ -134,6 +134,40 @@ TEST(FindingWords, WrongControlIsNamedWithWhereItIsOff) {
   EXPECT_NE(off(3, 4).find("differ by 5.00 m from what"), std::string::npos);
 }
 
+TEST(FindingWords, AWrongCheckPointIsNamedWithWhatToDo) {
+  EXPECT_EQ(
+      what_of(finding_of(FindingCode::kCheckPoint, {ControlId{1}}, {{FigureName::kOffset, 3.21}}), named_block()),
+      "Check point P1 contradicts the control points: its coordinates differ by 3.2 m from what they show. Look at "
+      "its coordinates and at its measurements.");
+}
+
+// One of them is not "the first", and does not "hang together".
+TEST(FindingWords, OneIsNotSeveral) {
+  const auto words = [](FindingCode code, double count, std::vector<Subject> subjects) {
+    return what_of(finding_of(code, std::move(subjects),
+                              {{FigureName::kCount, count}, {FigureName::kOf, 5}, {FigureName::kLimit, 15}}),
+                   named_block());
+  };
+  const Subject file = Subject::file("gnss.csv"), stranger = Subject::file("z.jpg");
+  EXPECT_EQ(words(FindingCode::kImagesAlone, 1, {ImageId{1}}), "1 image could not be oriented: IMG_1.jpg.");
+  EXPECT_EQ(words(FindingCode::kImagesAlone, 2, {ImageId{1}}), "2 images could not be oriented, the first: IMG_1.jpg.");
+  EXPECT_EQ(words(FindingCode::kPartApart, 1, {ImageId{1}, ImageId{1}}),
+            "1 image hangs together with no other: IMG_1.jpg.");
+  EXPECT_EQ(words(FindingCode::kPartApart, 3, {ImageId{1}, ImageId{4}}),
+            "3 images hang together but not with the block: IMG_1.jpg ... IMG_4.jpg.");
+  EXPECT_EQ(words(FindingCode::kLooseGiven, 1, {ImageId{2}}),
+            "Fewer than 15 tie points fit the pose of 1 image: IMG_2.jpg. Nothing here speaks for this pose.");
+  EXPECT_EQ(words(FindingCode::kLooseGiven, 2, {ImageId{2}}),
+            "Fewer than 15 tie points fit the poses of 2 images, the first: IMG_2.jpg. Nothing here speaks for these "
+            "poses.");
+  EXPECT_EQ(words(FindingCode::kPositionsOfOthers, 1, {file, stranger}),
+            "1 of 5 images of gnss.csv is not among the images here: z.jpg.");
+  EXPECT_EQ(words(FindingCode::kPositionsNotStated, 1, {file}),
+            "1 of 5 images is not in gnss.csv and keeps what its header states.");
+  EXPECT_EQ(words(FindingCode::kPositionsNotStated, 2, {file}),
+            "2 of 5 images are not in gnss.csv and keep what their headers state.");
+}
+
 TEST(FindingWords, OfManyImagesTheFirstAreNamed) {
   std::vector<Subject> images;
   for (std::uint32_t i = 0; i < 9; ++i) images.emplace_back(ImageId{i});

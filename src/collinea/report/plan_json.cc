@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "collinea/report/finding_words.h"
+#include "collinea/report/internal/counted.h"
 #include "collinea/report/internal/finding_json.h"
 #include "collinea/report/json_values.h"
 #include "collinea/report/plan_report.h"
@@ -125,10 +126,11 @@ std::string plan_text(const PlanReport& report) {
   const auto control = std::count_if(report.points.begin(), report.points.end(),
                                      [](const auto& point) { return point.role == ControlRole::kControl; });
   std::string text = fmt::format(
-      "flight     {} images in {} strips{}, {:.1f} m above ground, pixel {:.1f} mm, {:.1f} km to fly\n"
-      "           an image every {:.1f} m, strips {:.1f} m apart, {} control points\n",
-      plan.images.size(), plan.strips, plan.cross_strips > 0 ? fmt::format(" and {} across", plan.cross_strips) : "",
-      plan.height_m, 1000 * plan.gsd_m, plan.path_m / 1000, plan.base_m, plan.spacing_m, control);
+      "flight     {} in {}{}, {:.1f} m above ground, pixel {:.1f} mm, {:.1f} km to fly\n"
+      "           an image every {:.1f} m, strips {:.1f} m apart, {}\n",
+      counted(plan.images.size(), "image"), counted(plan.strips, "strip"),
+      plan.cross_strips > 0 ? fmt::format(" and {} across", plan.cross_strips) : "", plan.height_m, 1000 * plan.gsd_m,
+      plan.path_m / 1000, plan.base_m, plan.spacing_m, counted(control, "control point"));
   if (report.precision.cells.empty())
     return text + "expected   nothing. " +
            (report.precision.adjusted.undetermined
@@ -142,7 +144,7 @@ std::string plan_text(const PlanReport& report) {
   text += (report.precision.adjusted.rank_defect > 0 ? "shape      " : "expected   ") + sigmas(area) +
           ": standard deviation of a well-defined point\n";
   if (report.precision.adjusted.rank_defect > 0)
-    text += "           of the shape alone: place, attitude or scale on the map are not fixed (see weak)\n";
+    text += "           of the shape alone: position, attitude or scale on the map are not fixed (see weak)\n";
   for (const Gain& gain : report.gains)
     text += "with       " + sigmas(gain.area) + ": " + words_of(gain) +
             (gain.position ? fmt::format(" at {:.1f}, {:.1f}", gain.position->x(), gain.position->y()) : "") + "\n";
@@ -160,7 +162,8 @@ std::string plan_text(const PlanReport& report) {
   for (const Custom& custom : report.customs)
     if (!custom.kept) text += fmt::format("custom     not {}\n", words_of(custom.what));
   if (area.empty > 0)
-    text += fmt::format("seen       {} of {} cells of the map are in fewer than two images\n", area.empty, area.cells);
+    text += fmt::format("seen       {} of {} cells of the map {} in fewer than two images\n", area.empty, area.cells,
+                        area.empty == 1 ? "is" : "are");
   return text;
 }
 

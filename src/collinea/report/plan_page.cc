@@ -46,7 +46,8 @@ std::string statement(const PlanReport& report) {
   return fmt::format(
       "<div class=\"statement{}\"><p class=\"kind\">{}Expected standard deviation of a well-defined point on the "
       "ground, measured in every image that shows it</p><div class=\"axes\">{}{}</div></div>\n",
-      free ? " unverified" : "", free ? "Nothing fixes place, attitude or scale on the map: of the shape alone. " : "",
+      free ? " unverified" : "",
+      free ? "Nothing fixes position, attitude or scale on the map: of the shape alone. " : "",
       box("in plan, each axis", plan_rms(area.rms_m), area.worst_plan_m),
       box("in height", area.rms_m.z(), area.worst_height_m));
 }
@@ -77,8 +78,9 @@ std::string cautions(const PlanReport& report) {
     html += "<li>" + escaped(what_of(weak, report.precision.planned.block)) +
             "<br>Remedy: " + escaped(remedy_of(weak)) + "</li>\n";
   if (report.precision.area.empty > 0)
-    html += fmt::format("<li>{} of {} cells of the map are seen in fewer than two images.</li>\n",
-                        report.precision.area.empty, report.precision.area.cells);
+    html += fmt::format("<li>{} of {} cells of the map {} seen in fewer than two images.</li>\n",
+                        report.precision.area.empty, report.precision.area.cells,
+                        report.precision.area.empty == 1 ? "is" : "are");
   for (const Custom& custom : report.customs)
     if (!custom.kept) html += "<li>Against custom: not " + escaped(words_of(custom.what)) + ".</li>\n";
   return html.empty() ? "" : "<h2>What the block would determine badly</h2><ul class=\"cautions\">" + html + "</ul>\n";
@@ -86,7 +88,7 @@ std::string cautions(const PlanReport& report) {
 
 std::string maps(const PlanReport& report) {
   return "<section><h2>Flight and control</h2>\n<figure class=\"map\">" + plan_map(report) +
-         "<figcaption>Lines: flight, with the places of the images. Triangles: control; circles: check points. "
+         "<figcaption>Lines: flight, with the positions of the images. Triangles: control; circles: check points. "
          "Ellipses and "
          "bars: standard deviations (39 % of all errors in plan and 68 % in height lie within) in the scale of the "
          "legend.</figcaption></figure>\n</section><section><h2>Where it is how good</h2>\n<div class=\"pair\"><figure "
@@ -187,7 +189,7 @@ std::string trials(const PlanReport& report) {
       "<section><h2>Predicted against simulated errors</h2>\n<p>{} blocks with all errors drawn anew were adjusted. "
       "Root mean "
       "square of error over standard deviation on the map (1 is expected): east {:.3f}, north {:.3f}, height {:.3f}. "
-      "Chi-squared over its degrees of freedom: places {:.3f}, images {:.3f}{}.</p></section>\n",
+      "Chi-squared over its degrees of freedom: positions {:.3f}, images {:.3f}{}.</p></section>\n",
       t.blocks, t.cell_ratio.x(), t.cell_ratio.y(), t.cell_ratio.z(), t.cell_chi2, t.pose_chi2,
       t.cameras > 0 ? fmt::format(", camera {:.3f}", t.camera_chi2) : "");
 }
@@ -201,7 +203,8 @@ std::string plan_page(const PlanReport& report) {
          "</h1>Planned survey: expected precision</div><p>collinea " COLLINEA_VERSION "</p></header>\n" +
          statement(report) + facts(report) + cautions(report) + maps(report) + gains(report) + check_points(report) +
          unknowns(report) + rules(report) + trials(report) +
-         "<footer>Predicted by the bundle adjustment of the planned block. Blunders, poor texture, motion blur and a "
+         "<footer>Predicted by the bundle adjustment of the planned block. Gross errors, poor texture, motion blur and "
+         "a "
          "bad "
          "camera model come on top. All figures are also in plan.json.</footer>\n</main></body></html>\n";
 }

@@ -10,7 +10,7 @@
 
 namespace collinea {
 
-/// All that is told of a planned survey.
+/// All that is reported of a planned survey.
 struct PlanReport {
   std::string title;
   std::string crs_name;  ///< empty: a local plane
@@ -30,7 +30,7 @@ struct PlanReport {
 [[nodiscard]] std::string plan_text(const PlanReport& report);  ///< the gist, for a terminal
 
 // Drawings of the page, each a complete <svg>.
-/// Flight lines, stations, control and, on a few places, ellipses and height bars.
+/// Flight lines, stations, control and, at a few positions, ellipses and height bars.
 [[nodiscard]] std::string plan_map(const PlanReport& report);
 /// How the standard deviation in plan or height lies over the area.
 [[nodiscard]] std::string sigma_map(const PlanReport& report, bool height);

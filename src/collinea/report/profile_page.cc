@@ -18,7 +18,7 @@ using Eigen::Vector2d;
 constexpr double kWidth = 940, kHeight = 420;
 constexpr std::array<const char*, 4> kStyles = {"one", "two", "three", "four"};
 
-// A surface is drawn in pieces between the places where it has no heights.
+// A surface is drawn in pieces between the positions where it has no heights.
 void draw_surface(Svg& svg, const Profile& profile, const std::vector<HeightSample>& heights, const Axis& x,
                   const Axis& y, const std::string& style) {
   std::vector<Vector2d> line, upper, lower;

@@ -79,7 +79,7 @@ std::string rectified_text(const RectifiedReport& report) {
   std::string text = fmt::format("{}: {} x {} cells of {}, {:.1f} % painted\n", report.file.string(), report.width,
                                  report.height, metres_text(report.cell_m), 100 * report.painted_share);
   if (const auto& shift = report.shift_per_depth)
-    text += fmt::format("off the plane: 10 cm of depth shift a place by {} in the middle, {} in the worst corner\n",
+    text += fmt::format("off the plane: 10 cm of depth shift a point by {} in the middle, {} in the worst corner\n",
                         metres_text(0.1 * shift->middle), metres_text(0.1 * shift->worst));
   else
     text += "off the plane: not known, the view is too frontal to say where the camera stood\n";
@@ -87,7 +87,7 @@ std::string rectified_text(const RectifiedReport& report) {
   if (const auto& from = report.from_project)
     text += fmt::format(
         "plane of {} points of {}, {} off it (RMS)\n"
-        "so places are shifted by {} in the middle, {} in the worst corner (RMS)\n",
+        "so points are shifted by {} in the middle, {} in the worst corner (RMS)\n",
         from->points, from->points_looked_at, metres_text(from->rms_m),
         metres_text(from->rms_m * from->shift_by_rms_per_m.middle),
         metres_text(from->rms_m * from->shift_by_rms_per_m.worst));

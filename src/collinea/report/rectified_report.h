@@ -30,7 +30,7 @@ struct RectifiedReport {
     std::optional<Eigen::Vector3d> centre_over_plane_m;  ///< where it was taken
   };
   std::vector<Source> sources;  ///< those that show anything
-  /// By how much a place is shifted for each metre that it lies off the plane; nothing: where the camera stood is not
+  /// By how much a point is shifted for each metre that it lies off the plane; nothing: where the camera stood is not
   /// known, because the view is too frontal.
   std::optional<Spread> shift_per_depth;
 
@@ -56,7 +56,7 @@ struct RectifiedReport {
     std::size_t points = 0, points_looked_at = 0;
     double rms_m = 0;  ///< of the points off the plane
     Eigen::Vector3d origin_on_map, origin_in_world, x_axis_in_world, y_axis_in_world, normal_in_world;
-    Spread shift_by_rms_per_m;  ///< of places, for each metre of rms_m
+    Spread shift_by_rms_per_m;  ///< of points, for each metre of rms_m
   };
   std::optional<FromProject> from_project;
 };

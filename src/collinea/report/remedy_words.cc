@@ -62,7 +62,7 @@ constexpr Phrase kPhrases[] = {
     {R::kAddSideViews, "add images from the side, or looking sideways"},
     {R::kHoldStill, "hold the camera still for each image, or use one with a global shutter"},
     {R::kRemoveRepeats,
-     "should the model be folded or doubled, take these images out, or add some that tell the places apart"},
+     "should the model be folded or doubled, remove these images, or add some that tell the locations apart"},
     {R::kLeaveSurface, "add images from off that surface, or control"},
     {R::kGiveThreeControlPoints, "give three control points"},
     {R::kAddStripOrControl, "add a second strip or three control points"},

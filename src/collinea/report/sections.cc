@@ -9,6 +9,7 @@
 #include "collinea/block/geodetic_words.h"
 #include "collinea/report/finding_words.h"
 #include "collinea/report/internal/cells.h"
+#include "collinea/report/internal/counted.h"
 #include "collinea/report/internal/page.h"
 #include "collinea/report/internal/svg.h"
 #include "collinea/report/value_words.h"
@@ -199,12 +200,15 @@ std::string position_section(const ReportInput& input, const ReportSummary& summ
   std::string html = fmt::format(
       "<section><h2>Image positions</h2>\n<p>Adjusted projection centres minus the positions that the receivers wrote, "
       "root mean "
-      "square of {} images.{}</p>\n<table><thead><tr><th class=\"l\"></th><th class=\"l\"></th><th>east "
+      "square of {}.{}</p>\n<table><thead><tr><th class=\"l\"></th><th class=\"l\"></th><th>east "
       "[{}]</th><th>north [{}]</th><th>height [{}]</th>"
       "<th>3D [{}]</th></tr></thead><tbody>\n",
-      summary.position.points,
-      doubted ? fmt::format(" {} positions disagree so much that they hardly count.", doubted) : "", summary.unit,
-      summary.unit, summary.unit, summary.unit);
+      counted(summary.position.points, "image"),
+      doubted ? " " + counted(doubted, "position") +
+                    (doubted == 1 ? " disagrees so much that it hardly counts."
+                                  : " disagree so much that they hardly count.")
+              : "",
+      summary.unit, summary.unit, summary.unit, summary.unit);
   html += rms_row(summary.position, "RMS", "image", decimals, 1, 0);
   return html + "</tbody></table></section>\n";
 }

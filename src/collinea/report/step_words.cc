@@ -6,23 +6,26 @@
 #include <algorithm>
 
 #include "collinea/report/finding_words.h"
+#include "collinea/report/internal/counted.h"
 
 namespace collinea {
 namespace {
 
 std::string words(const ImportRecord& r) {
   return fmt::format(
-      "{} images, {} camera{}, {} positions, {} control points{}{}", r.images, r.cameras, r.cameras == 1 ? "" : "s",
-      r.positions, r.control_points,
-      r.geodetic_observations == 0 ? "" : fmt::format(", {} measurements on the ground", r.geodetic_observations),
+      "{}, {}, {}, {}{}{}", counted(r.images, "image"), counted(r.cameras, "camera"), counted(r.positions, "position"),
+      counted(r.control_points, "control point"),
+      r.geodetic_observations == 0 ? "" : ", " + counted(r.geodetic_observations, "measurement") + " on the ground",
       r.crs ? ", map " + *r.crs : ", no map: local gauge");
 }
 
-std::string words(const DetectRecord& r) { return fmt::format("{} features in {} images", r.features, r.images); }
+std::string words(const DetectRecord& r) {
+  return counted(r.features, "feature") + " in " + counted(r.images, "image");
+}
 
 std::string words(const MatchRecord& r) {
-  return fmt::format("{} pairs verified, {} searched, {} matches", r.pairs_by_geometry.verified(), r.pairs_searched,
-                     r.matches);
+  return fmt::format("{} verified, {} searched, {} matches", counted(r.pairs_by_geometry.verified(), "pair"),
+                     r.pairs_searched, r.matches);
 }
 
 std::string words(const OrientationRecord& r) {
@@ -30,7 +33,9 @@ std::string words(const OrientationRecord& r) {
                      r.mean_reprojection_px, words_of(r.gauge));
 }
 
-std::string words(const DensifyRecord& r) { return fmt::format("{} depth maps, {} points", r.depth_maps, r.points); }
+std::string words(const DensifyRecord& r) {
+  return counted(r.depth_maps, "depth map") + ", " + counted(r.points, "point");
+}
 
 std::string words(const SurfaceRecord& r) {
   const double seen = double(r.measured_cells + r.interpolated_cells);
@@ -49,15 +54,16 @@ std::string words(const OrthoRecord& r) {
   if (r.seamlines) {
     std::uint64_t not_followed = 0;
     for (const auto& [image, cells] : r.cells_not_followed) not_followed += cells;
-    follows =
-        fmt::format(", as {} polygons of {} say but for {:.2f} % of the cells, which their photograph does not see",
-                    r.seamlines->polygons, r.seamlines->file,
-                    100 * double(not_followed) / double(std::max<std::uint64_t>(1, r.painted_cells)));
+    follows = fmt::format(", as {} of {} {} but for {:.2f} % of the cells, which their photograph does not see",
+                          counted(r.seamlines->polygons, "polygon"), r.seamlines->file,
+                          r.seamlines->polygons == 1 ? "says" : "say",
+                          100 * double(not_followed) / double(std::max<std::uint64_t>(1, r.painted_cells)));
   }
   return fmt::format(
-      "{} x {} cells of {:.3g} m from {} photographs, {:.0f} m of seams along which these differ by "
+      "{} x {} cells of {:.3g} m from {}, {:.0f} m of seams along which these differ by "
       "{:.1f} grey levels{}",
-      r.width, r.height, r.cell_m, r.images_used, r.seam_length_m, r.seam_difference_grey, follows);
+      r.width, r.height, r.cell_m, counted(r.images_used, "photograph"), r.seam_length_m, r.seam_difference_grey,
+      follows);
 }
 
 std::string words(const ReportRecord& r) { return r.file; }

@@ -19,6 +19,7 @@ TEST(StepWords, SayOnOneLineWhatCameOfAStep) {
   EXPECT_EQ(summary_of(imported),
             "6 images, 2 cameras, 5 positions, 4 control points, 3 measurements on the ground, map EPSG:32633");
   EXPECT_EQ(summary_of(DetectRecord{.images = 6, .features = 1234}), "1234 features in 6 images");
+  EXPECT_EQ(summary_of(DetectRecord{.images = 1, .features = 1}), "1 feature in 1 image");
   EXPECT_EQ(summary_of(MatchRecord{.pairs_searched = 9, .matches = 700, .pairs_by_geometry = {3, 4, 1, 1}}),
             "6 pairs verified, 9 searched, 700 matches");
   EXPECT_EQ(

@@ -26,7 +26,7 @@ std::string cameras_csv(const AdjustmentReport& report) {
   for (const auto& [id, camera] : report.block.cameras) {
     const auto covariance = report.adjusted.camera_covariance.find(id);
     const bool known = covariance != report.adjusted.camera_covariance.end();
-    const double unknown = report.adjusted.cameras.contains(id) ? std::nan("") : 0;  // 0: the camera was held
+    const double unknown = report.adjusted.cameras.contains(id) ? std::nan("") : 0;  // 0: the camera was fixed
     for (const int k : params_of(camera))
       text += in_quotes(camera.name) + fmt::format(",{},{}", param_name(k), param_unit(k)) +
               csv_field(camera.params[k]) +

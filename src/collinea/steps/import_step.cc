@@ -12,7 +12,7 @@ namespace collinea {
 
 namespace {
 
-// What detection and matching depend on: the images, their cameras and places, but neither control nor the map.
+// What detection and matching depend on: the images, their cameras and positions, but neither control nor the map.
 std::string hash_of_images(const Imported& imported) {
   Hash hash;
   const auto add = [&](double value) { hash.add(std::bit_cast<std::uint64_t>(value)); };

@@ -48,7 +48,7 @@ Result<StepOutput> ortho_step(Project& project, const std::string& inputs_hash) 
   COLLINEA_TRY(const ProductFrame product_frame, product_frame_of(project, block));
   const auto products = project.folder / "products";
   COLLINEA_TRY(const HeightField surface, open_height_field(products / "dsm.tif", products / "dsm_sigma.tif"));
-  // What is raised above the terrain is no place for seams; without a terrain model the surface's own steps must do.
+  // Seams avoid what is raised above the terrain; without a terrain model the surface's own steps must do.
   HeightField terrain;
   if (is_there(products / "dtm.tif")) {
     COLLINEA_TRY(terrain, open_height_field(products / "dtm.tif"));

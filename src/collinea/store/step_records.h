@@ -25,7 +25,7 @@ namespace collinea {
 // What each step leaves for those after it, for the report and for whoever asks: one struct a step, kept in the project
 // database and read back as that struct. Plain values; images, cameras and points by their ids in the block, lengths in
 // metres unless a member says otherwise. `kStep` is the name of the step; `fields` tells the members (packed_fields.h).
-// A new record is its struct, and a place in StepOutcome.
+// A new record is its struct, and an entry in StepOutcome.
 
 struct ImportRecord {
   static constexpr std::string_view kStep = "import";
@@ -139,7 +139,7 @@ struct OrientationRecord {
   std::int64_t redundancy = 0;
   bool georeferenced = false;      ///< false: a gauge without location on Earth
   bool metric = false;             ///< lengths are in metres
-  bool relative_heights = false;   ///< georeferenced in plan, but nothing told a height
+  bool relative_heights = false;   ///< georeferenced in plan, but nothing gave a height
   bool holds_given_poses = false;  ///< poses are those of another program, not adjusted
   Gauge gauge;                     ///< what fixes position, attitude and scale
   std::optional<AxisValues> control_rmse_m, check_rmse_m, position_rms_m;  ///< nothing: no such point took part
@@ -153,7 +153,7 @@ struct OrientationRecord {
   std::vector<PositionDifference> positions;
   std::vector<GeodeticDifference> geodetic;
   std::vector<HeightPrecision> height_precision;      ///< at some of the tie points
-  std::map<ImageId, Eigen::Vector3d> centre_sigma_m;  ///< of projection centres: east, north, up; sigma0 held
+  std::map<ImageId, Eigen::Vector3d> centre_sigma_m;  ///< of projection centres: east, north, up; sigma0 taken as 1
   std::vector<Finding> findings;
 
   /// Ground size of a pixel; nothing without a scale.

@@ -82,7 +82,7 @@ struct SurfaceCloud {
 };
 
 /// The surface model of a cloud: per cell the height of the uppermost surface (see CellFit). Cell edges lie on
-/// multiples of the cell size. Sigmas are those of the points and, beside them, of `places`. Points and
+/// multiples of the cell size. Sigmas are those of the points and, beside them, of `position_sigmas`. Points and
 /// measured cells are kept in `scratch` beyond 64 MB and 16 MB. The same cloud gives the same bits in any order and
 /// with any number of threads. Errors: no points, raster too large, disk, cancelled.
 Result<DsmSummary> build_dsm(const SurfaceCloud& cloud, const SurfaceSink& sink, const std::filesystem::path& scratch,

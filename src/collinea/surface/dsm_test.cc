@@ -130,7 +130,7 @@ TEST(Dsm, IsolatedComponentsOfTwoImagesGo) {
   EXPECT_EQ(heights(2, 2), (std::array{2.0f, 2.5f, 3.0f}));  // a block of two images
 }
 
-// An island beyond everything, and a stray that would be an island if it were not one.
+// An isolated component beyond everything, and a stray that would be one if it were not part of it.
 TEST(Dsm, WhatGoesIsCountedOnceAndNotPartOfTheRaster) {
   Random random(6);
   std::vector<SurfacePoint> points;
@@ -148,8 +148,8 @@ TEST(Dsm, WhatGoesIsCountedOnceAndNotPartOfTheRaster) {
   EXPECT_EQ(dsm.grid.height, 600);
 }
 
-// At a place of its own sigma that is what is added; far from all it is that of the nearest ones; nothing is added
-// where there is no height.
+// At a position with a sigma of its own that is what is added; far from all it is that of the nearest ones; nothing is
+// added where there is no height.
 TEST(Dsm, SigmasKnowWhatTheOrientationLeavesOpen) {
   std::vector<SurfacePoint> points = hill(0, 0, 40, 100'000);
   std::erase_if(points, [](const SurfacePoint& p) { return std::hypot(p.position.x() - 30, p.position.y() - 10) < 5; });

@@ -30,7 +30,7 @@ struct HeightField {
 [[nodiscard]] HeightField thinned(const HeightField& field, int times);
 
 /// The same surface held unpacked on disk (RasterSpool) beside a file, for a field that is read again and again.
-/// Errors: `field` cannot be read, nothing be written there; cancelled. A full disk is told by the first read.
+/// Errors: `field` cannot be read, nothing be written there; cancelled. A full disk is reported by the first read.
 [[nodiscard]] Result<HeightField> unpacked(const HeightField& field, const std::filesystem::path& beside,
                                            const Run& run);
 
@@ -50,13 +50,13 @@ struct HeightOverview {
   static constexpr int kBlock = 32;
   FloatImage lowest_m, highest_m;      ///< per block; NaN where no cell has a height
   std::vector<SurfaceSample> samples;  ///< the cell nearest to the middle of each block, block by block
-  double mean_m = 0;                   ///< of the places
+  double mean_m = 0;                   ///< of the samples
 };
 [[nodiscard]] Result<HeightOverview> overview(const HeightField& field, const Run& run);
 
-/// The height at a place of a window of the surface (continuous cells: the centre of its upper-left cell is (0.5,
+/// The height at a position of a window of the surface (continuous cells: the centre of its upper-left cell is (0.5,
 /// 0.5)): bilinear on a smooth surface, of the nearest cell beside steps and holes (a slope between roof and ground
-/// would be painted with colours that belong to neither). NaN where the place has no height.
+/// would be painted with colours that belong to neither). NaN where the position has no height.
 [[nodiscard]] float height_at(const FloatImage& heights_m, double x, double y, double cell_m);
 
 }  // namespace collinea

@@ -9,7 +9,7 @@ Result<Profile> profile_along(const std::vector<Eigen::Vector2d>& line, double s
                               std::vector<HeightSamples>& surfaces) {
   double length_m = 0;
   for (std::size_t i = 1; i < line.size(); ++i) length_m += (line[i] - line[i - 1]).norm();
-  if (!(length_m > 0)) return fail(Errc::kBadInput, "a profile needs a line of two places at least");
+  if (!(length_m > 0)) return fail(Errc::kBadInput, "a profile needs a line of at least two points");
   if (!(length_m / step_m < 1e6))
     return fail(Errc::kBadInput, "a profile of a million steps and more: larger ones are needed");
   Profile profile;

@@ -16,7 +16,7 @@ struct Profile {
 };
 
 /// Samples the surfaces along a line at its corners and at equal steps of at most `step_m` between them. Errors:
-/// reading; a line of fewer than two places; a million steps and more.
+/// reading; a line of fewer than two points; a million steps and more.
 [[nodiscard]] Result<Profile> profile_along(const std::vector<Eigen::Vector2d>& line, double step_m,
                                             std::vector<HeightSamples>& surfaces);
 

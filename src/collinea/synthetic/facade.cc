@@ -41,7 +41,7 @@ std::vector<Rigid3> walk(const FacadeOptions& o, const FacadeScene& scene) {
   return poses;
 }
 
-// Places on the wall's front where a whole board sticks to one face.
+// Positions on the wall's front where a whole board sticks to one face.
 std::vector<Mark> points_on_wall(const Scene& scene, const FacadeScene& wall, double half_size_m, int count,
                                  Random random) {
   std::vector<Mark> marks;

@@ -29,7 +29,7 @@ std::uint32_t next_to_epipolar_line(const Eigen::Vector3d& first, const std::vec
   return best;
 }
 
-// Takes away some matches and leads some others astray; no feature is matched twice.
+// Takes away some matches and leads some others to wrong features; no feature is matched twice.
 void spoil(ImagePair& pair, const Block& block, const Rays& rays, const ObservationOptions& options) {
   Random random(options.seed + 2, (std::uint64_t{pair.first.value} << 32) + pair.second.value);
   const std::vector<Eigen::Vector3d>&first = rays.at(pair.first), &second = rays.at(pair.second);

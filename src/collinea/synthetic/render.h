@@ -14,8 +14,8 @@ class RayTable {
   RayTable(const Camera& camera, const Run& run);
 
   [[nodiscard]] const Camera& camera() const { return camera_; }
-  /// The direction (x, y, 1) in the camera frame of a place `dx`, `dy` [px] off the centre of pixel (column, row), both
-  /// offsets within half a pixel. Good to 1e-4 px.
+  /// The direction (x, y, 1) in the camera frame of a position `dx`, `dy` [px] off the centre of pixel (column, row),
+  /// both offsets within half a pixel. Good to 1e-4 px.
   [[nodiscard]] Eigen::Vector3d direction(int column, int row, double dx = 0, double dy = 0) const;
 
  private:

@@ -85,7 +85,7 @@ TEST(Render, NoiseHasItsStandardDeviation) {
   EXPECT_NEAR(std::sqrt(squares / n), std::sqrt(9 + 1.0 / 6), 0.05);
 }
 
-// A mark is symmetric about its centre. The place about which the image is most symmetric is where the centre is
+// A mark is symmetric about its centre. The position about which the image is most symmetric is where the centre is
 // projected: within a step of the search and the ground's own asymmetry outside the board.
 TEST(Render, MarksAppearWhereTheyAreProjected) {
   SurveyOptions o = tiny_survey();

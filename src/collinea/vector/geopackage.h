@@ -35,7 +35,7 @@ struct VectorLayer {
   VectorKind kind = VectorKind::kPoint;
   std::vector<VectorField> fields;
   std::vector<VectorRow> rows;
-  bool flat = false;  ///< places without heights
+  bool flat = false;  ///< positions without heights
 };
 
 /// Writes the layers into one GeoPackage, atomically. `wkt`: of the CRS; empty: a local

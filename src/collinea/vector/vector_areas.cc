@@ -47,10 +47,10 @@ Result<MapRing> ring_of(OGRGeometryH ring) {
   MapRing positions;
   for (int i = 0; i < OGR_G_GetPointCount(ring); ++i) {
     positions.emplace_back(OGR_G_GetX(ring, i), OGR_G_GetY(ring, i));
-    if (!positions.back().allFinite()) return fail(Errc::kBadInput, "has places that are no numbers");
+    if (!positions.back().allFinite()) return fail(Errc::kBadInput, "has coordinates that are not numbers");
   }
   if (positions.size() > 1 && positions.front() == positions.back()) positions.pop_back();
-  if (positions.size() < 3) return fail(Errc::kBadInput, "has an outline of less than three places");
+  if (positions.size() < 3) return fail(Errc::kBadInput, "has an outline of fewer than three points");
   return positions;
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kDatumImages = 8, kLeastDatumCandidates = 64;
 
-// Fills Problem::part_of_pose and part_of_point of points that free images show; answers the parts. Held images belong
+// Fills Problem::part_of_pose and part_of_point of points that free images show; answers the parts. Fixed images belong
 // to every part and join nothing.
 std::vector<DatumPart> find_parts(Problem& problem) {
   std::vector<int> root(problem.poses);

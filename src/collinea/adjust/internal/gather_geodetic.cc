@@ -134,7 +134,7 @@ Result<std::vector<std::uint32_t>> geodetic_taking_part(const Block& block, cons
     if (!measured.is_of_shape() && measured.from == measured.to)
       return fail(Errc::kBadInput, "a measurement joins " + block.control.at(measured.from).name + " with itself");
     if (measured.is_of_shape() && (measured.from != measured.to || measured.axis < 0 || measured.axis > 1))
-      return fail(Errc::kBadInput, words_of(measured, block) + " is told of two points, or on no axis");
+      return fail(Errc::kBadInput, words_of(measured, block) + " is given for two points, or on no axis");
     links.push_back(static_cast<std::uint32_t>(i));
   }
   return links;

@@ -85,7 +85,7 @@ class InstrumentLayout {
     return {};
   }
 
-  // Behind all shifts, so that where they cannot be parted the offset is what is said not to be determined.
+  // Behind all shifts, so that where they cannot be parted the offset is what is reported as not determined.
   Result<> take_time_offsets() {
     std::map<CameraId, int> number;
     for (GivenPosition& position : problem_.positions) {

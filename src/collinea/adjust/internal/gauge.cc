@@ -45,7 +45,7 @@ void transform(const Problem& problem, State& state, const BlockMotion& motion) 
   }
 }
 
-// Something places the block.
+// Whether anything fixes the position of the block.
 bool is_placed(const Problem& problem) {
   bool placed = false;
   for_each_kind([&]<class Kind>() { placed = placed || Kind::positions_block(problem); });

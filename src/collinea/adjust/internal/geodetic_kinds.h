@@ -10,7 +10,7 @@
 #include "collinea/block/geodetic.h"
 
 // The kinds of geodetic measurements and constraints, one for each GeodeticKind: the computed value and its
-// derivatives. Each is in the file of its name. A new one is its file, a struct here and its place in the closed list
+// derivatives. Each is in the file of its name. A new one is its file, a struct here and its entry in the closed list
 // at the end, a GeodeticKind and an ObservationGroup. Up is the z axis of the world or, `level_at_origin`, the plumb
 // line of a sphere that touches it there.
 

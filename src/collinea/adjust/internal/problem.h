@@ -38,7 +38,7 @@ struct ProblemCamera {
   CameraId id;
   int first_global = 0;                                    ///< where its unknowns begin among all camera unknowns
   std::vector<int> free;                                   ///< Camera::Param of each unknown
-  std::array<double, Camera::kAllParams> given{};          ///< weak observations ...
+  std::array<double, Camera::kAllParams> given{};          ///< pseudo-observations ...
   std::array<double, Camera::kAllParams> inverse_sigma{};  ///< ... and their weights^1/2
 };
 

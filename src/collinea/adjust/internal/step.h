@@ -17,7 +17,7 @@ struct Step {
   double largest_rotation_rad = 0, largest_move_m = 0;
 };
 
-/// Applies step.reduced to images and cameras, moves every point to its best place by the linear model with that
+/// Applies step.reduced to images and cameras, moves every point to its best position by the linear model with that
 /// damping, and fills the rest of `step`. Answers the state after it.
 [[nodiscard]] State moved(const Problem& problem, const State& state, double lambda, Step& step, const Run& run);
 

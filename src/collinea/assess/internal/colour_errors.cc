@@ -171,7 +171,7 @@ Result<ColourErrors> colour_errors(const ImageField& product, const SourceReader
   const std::array<double, 3> common = common_gain(gains, errors);
   looked = comparison.each_strip(run, [&](const Strip& strip) { add_pixels(comparison, strip, common, errors); });
   if (!looked) return tl::unexpected(std::move(looked).error());
-  if (errors.pixels == 0) return fail(Errc::kBadInput, "the orthophoto and the true one have no place in common");
+  if (errors.pixels == 0) return fail(Errc::kBadInput, "the orthophoto and the true one have no area in common");
   errors.share_wrong /= double(errors.pixels);
   errors.rms_grey = std::sqrt(errors.rms_grey / double(errors.pixels));
   return errors;

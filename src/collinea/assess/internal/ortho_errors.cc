@@ -155,7 +155,7 @@ Result<OrthoErrors> ortho_errors(const ImageField& product, const ImageField& tr
       if (const auto shift = shift_of(made, expected, x, kReach)) shifts.push_back(*shift);
     }
   }
-  if (windows == 0) return fail(Errc::kBadInput, "the orthophoto and the true one have no textured place in common");
+  if (windows == 0) return fail(Errc::kBadInput, "the orthophoto and the true one have no textured area in common");
   return summary_of(shifts, windows, product.grid.cell_m);
 }
 

@@ -47,7 +47,7 @@ using ToTruth = std::function<Eigen::Vector3d(const Eigen::Vector3d&)>;
 /// parallax.
 [[nodiscard]] std::optional<Eigen::Vector3d> intersect_mark(const Block& block, ControlId mark);
 
-/// Intersected marks of one role against their true places, matched by name.
+/// Intersected marks of one role against their true positions, matched by name.
 [[nodiscard]] PointErrors mark_errors(const Block& block, ControlRole role,
                                       const std::map<std::string, Eigen::Vector3d>& true_marks,
                                       const ToTruth& to_truth);

@@ -18,7 +18,7 @@ namespace collinea {
 namespace {
 
 constexpr int kStripRows = 256;
-constexpr int kFarthest = 512;         // what may hide a place, and the margin of steps [cells of the truth]
+constexpr int kFarthest = 512;         // what may hide a point, and the margin of steps [cells of the truth]
 constexpr double kSteepestRoof = 1.5;  // rise per run; what is steeper is a wall
 constexpr double kRoof_m = 1;          // above the ground
 constexpr int kStepMargin = 3;         // [cells of the model]

@@ -41,7 +41,7 @@ Result<FloatImage> true_heights(const HeightField& model, const HeightField& tru
   return result;
 }
 
-// The places of one strip, along rows (dx = 1, dy = 0) or columns.
+// The samples of one strip, along rows (dx = 1, dy = 0) or columns.
 class Crossing {
  public:
   Crossing(const Strip& strip, double cell_m, int dx, int dy) : strip_(strip), cell_m_(cell_m), dx_(dx), dy_(dy) {}

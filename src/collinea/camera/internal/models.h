@@ -25,7 +25,8 @@ namespace collinea {
 ///     project, normalized, ray, in_plane, pixels_per_unit     see camera/central.h and camera/fisheye.h
 ///     operator==
 /// Adding a model is its header and a line here. The laws of cameras (camera_test.cc), the adjustment, the store, the
-/// adjustment file, simulation and import follow from the list; a format that can express the model is told of it.
+/// adjustment file, simulation and import follow from the list; a format that can express the model names it in its
+/// mapping.
 using CameraModel = std::variant<Brown, BrownOfMeasured, Equidistant, Equisolid, KannalaBrandt>;
 
 /// All models, in the order of the list.

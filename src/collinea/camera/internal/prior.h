@@ -27,8 +27,8 @@ constexpr std::span<const Word<Provenance>> words(Provenance) { return kProvenan
 
 /// What is known of a camera before adjustment, apart from the values that it starts with.
 struct CameraPrior {
-  double sigma_f_px = 0;  ///< of the focal length; 0 = held fixed
-  bool calibrate = true;  ///< false: all parameters are given and held fixed
+  double sigma_f_px = 0;  ///< of the focal length; 0: fixed
+  bool calibrate = true;  ///< false: all parameters are given and fixed
   Provenance source = Provenance::kUnknown;
 };
 

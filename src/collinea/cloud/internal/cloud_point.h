@@ -7,8 +7,8 @@
 
 namespace collinea {
 
-/// A point of a dense cloud as files hold it: in map coordinates, or in the block's world frame when it has no place on
-/// Earth.
+/// A point of a dense cloud as files hold it: in map coordinates, or in the block's world frame when it is not
+/// georeferenced.
 struct CloudPoint {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< [m]
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();    ///< unit length, towards the cameras; zero: unknown

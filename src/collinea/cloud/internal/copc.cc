@@ -141,7 +141,7 @@ bool CopcStream::divisible(const CopcKey& key, std::uint64_t points) const {
   return points > sizes_.leaf_points && key.level < kLastLevel;
 }
 
-// Points of a single place cannot be told apart by a grid: a node then takes the first ones that came.
+// Points at a single position cannot be told apart by a grid: a node then takes the first ones that came.
 template <class Sieved>
 bool CopcStream::keeps(const CopcKey& key, std::uint64_t index, const Sieved& sieved) const {
   return key.level >= single_level_ ? index < sizes_.leaf_points : sieved();

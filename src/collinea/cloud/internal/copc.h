@@ -92,7 +92,7 @@ class CopcStream {
   Eigen::Vector3d corner_ = Eigen::Vector3d::Zero();  // of the cube, its lowest
   Eigen::Vector3d parts_per_unit_ = Eigen::Vector3d::Zero();
   double side_ = 0;       // of the cube [m]
-  int single_level_ = 0;  // from here on a cell of the grid holds a single place
+  int single_level_ = 0;  // from here on a cell of the grid holds a single position
   std::vector<Part> parts_;
   std::uint64_t points_in_parts_ = 0, points_written_ = 0;
   std::vector<CopcNode> nodes_;

@@ -222,8 +222,8 @@ TEST_F(Copc, OnePointIsARoot) {
   EXPECT_EQ(nodes[0].records, records);
 }
 
-// Points of one place cannot be divided by place: nodes below one another hold so many each. Beyond the last level
-// that a key can name the rest stays together.
+// Points at one position cannot be divided by position: nodes below one another hold so many each. Beyond the last
+// level that a key can name the rest stays together.
 TEST_F(Copc, EqualPointsAreStillCutIntoNodes) {
   for (const std::uint64_t branch : {100u, 100'000u}) {
     std::vector<Point> points(4000, {{5, -7, 9}, 1});

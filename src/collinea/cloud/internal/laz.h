@@ -43,10 +43,10 @@ enum class LazChunks { kOfOneSize, kOfAnySize };
 /// The content of the record "laszip encoded" 22204, for layouts without infrared.
 [[nodiscard]] std::string laz_description(const LazLayout& layout, LazChunks chunks = LazChunks::kOfOneSize);
 
-/// To be called where the points begin: makes room for the place of the chunk table. Returns where that is.
+/// To be called where the points begin: leaves bytes for the offset of the chunk table. Returns where that is.
 std::uint64_t begin_laz_chunks(OutputFile& file);
 
-/// The chunk table, and its place at `begin`.
+/// The chunk table, and its offset at `begin`.
 void write_laz_chunk_table(OutputFile& file, std::uint64_t begin, const std::vector<LazChunk>& chunks, LazChunks cut);
 
 /// Takes records and writes chunks of 50,000 points, several of them compressed side by side; the bytes do not depend

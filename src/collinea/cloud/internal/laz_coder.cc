@@ -182,7 +182,7 @@ std::uint32_t NumberModel::code_within(Coder& coder, std::uint32_t position) {
   return high << raw_bits | coder.raw(int(raw_bits), position & ((1u << raw_bits) - 1));
 }
 
-// Differences of 0 and 1 have 0 bits; k bits are the places -(2^k - 1) .. -2^(k-1), then 2^(k-1) + 1 .. 2^k.
+// Differences of 0 and 1 have 0 bits; k bits are the numbers -(2^k - 1) .. -2^(k-1), then 2^(k-1) + 1 .. 2^k.
 template <class Coder>
 std::int32_t NumberModel::code(Coder& coder, std::int32_t predicted, std::int32_t number, std::uint32_t context) {
   std::uint32_t difference = std::uint32_t(number) - std::uint32_t(predicted);

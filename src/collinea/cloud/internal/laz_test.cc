@@ -145,7 +145,7 @@ TEST(LazChunk, NoBytesCrashIt) {
     if (trial % 3 == 0) bytes.resize(random.below(std::uint32_t(bytes.size())));
     refused += !expand_laz_chunk(bytes, 200, layout);
   }
-  EXPECT_GT(refused, 300);  // the rest are points in wrong places: a chunk has no checksum
+  EXPECT_GT(refused, 300);  // the rest are points at wrong positions: a chunk has no checksum
 }
 
 TEST(LazChunk, EveryTruncationIsFound) {

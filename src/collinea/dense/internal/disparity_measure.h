@@ -7,7 +7,7 @@
 
 namespace collinea::dense {
 
-/// Disparities measured again by correlation of 7 x 7 windows that follow a surface, at three places half a pixel
+/// Disparities measured again by correlation of 7 x 7 windows that follow a surface, at three positions half a pixel
 /// apart: at the parabola through the three correlations, drawn to the surface; their standard deviations from
 /// residuals and curvature. NaN where `found` is, where the windows are flat or have holes, and what is not accepted.
 /// `surface`: disparities without NaN. Grey value 0 means "nothing there"; beyond the border images repeat.

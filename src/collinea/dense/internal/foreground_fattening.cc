@@ -14,8 +14,8 @@
 namespace collinea::dense {
 namespace {
 
-constexpr int kHalfWindow = kRadius;      // of matching: what a rim reaches
-constexpr int kAround = 2 * kHalfWindow;  // as much again beyond the rim tells what surely lies in front
+constexpr int kHalfWindow = kRadius;      // of matching: how far the fattening reaches
+constexpr int kAround = 2 * kHalfWindow;  // as much again beyond the fattened border shows what surely lies in front
 constexpr int kFewest = 5;                // pixels in front, and behind
 constexpr float kAlike = 10;              // grey values: above the noise of images, below what makes an edge
 constexpr int kStripRows = 32;

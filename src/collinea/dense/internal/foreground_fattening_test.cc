@@ -91,8 +91,8 @@ void expect_same(const FloatImage& surface, const FloatImage& expected) {
         << int(i) % kSide << ' ' << int(i) / kSide;
 }
 
-// Every third pixel of a column in front, on the false rim and behind: their neighbours become what they were to be.
-// Not in the outermost rows, where a pixel has only those of its own row to show an edge.
+// Every third pixel of a column in front, on the fattened border and behind: their neighbours become what they were to
+// be. Not in the outermost rows, where a pixel has only those of its own row to show an edge.
 TEST(ForegroundFattening, EmptyPixelsChangeNothingAroundThem) {
   const GreyImage image = image_of(90, 160);
   FloatImage whole = step_at(kEdge + 3), holed = whole;
@@ -108,7 +108,7 @@ TEST(ForegroundFattening, EmptyPixelsChangeNothingAroundThem) {
   expect_same(holed, whole);
 }
 
-// Behind the false rim almost all is empty: a pixel in fifteen rows is too little to judge by.
+// Behind the fattened border almost all is empty: a pixel in fifteen rows is too little to judge by.
 TEST(ForegroundFattening, EmptyPixelsAreNotBehind) {
   FloatImage surface = step_at(kEdge + 3);
   for (int y = 0; y < kSide; ++y)
@@ -119,7 +119,7 @@ TEST(ForegroundFattening, EmptyPixelsAreNotBehind) {
   expect_same(surface, before);
 }
 
-// Greys so much alike that some pixels of the rim go and some stay.
+// Greys so much alike that some pixels of the border go and some stay.
 TEST(ForegroundFattening, ThreadsDoNotMatter) {
   const GreyImage image = image_of(120, 130);
   FloatImage surface = step_at(kEdge + 2), other = surface;

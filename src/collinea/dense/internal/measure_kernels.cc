@@ -19,7 +19,7 @@ constexpr I i32;
 
 constexpr int kSide = 2 * kMeasureReach + 1;
 constexpr float kPixels = float(kSide * kSide);
-constexpr int kPerPixel = 16;  // places and grey values are multiples of 1/16
+constexpr int kPerPixel = 16;  // positions and grey values are multiples of 1/16
 constexpr float kTrialPx = 0.5f;
 constexpr float kFlat = 0.02f * kPixels;  // sum of squares below which a window is without texture
 
@@ -32,7 +32,7 @@ void PackQuads(const std::uint8_t* row, int width, std::int32_t* HWY_RESTRICT qu
   }
 }
 
-// Place [1/16 px] of column x on the right image: the surface there, rounded.
+// Position [1/16 px] of column x on the right image: the surface there, rounded.
 HWY_INLINE hn::Vec<I> PositionOf(const float* surface, int x) {
   const auto column = hn::Add(hn::Iota(f, 0), hn::Set(f, float(x)));
   const auto position = hn::Mul(hn::Sub(column, hn::LoadU(f, surface + x)), hn::Set(f, float(kPerPixel)));

@@ -51,7 +51,7 @@ class TieView {
 
  private:
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
-  struct Piece {  ///< of the rays of an image, on disk: the place of the piece before it, then the rays
+  struct Piece {  ///< of the rays of an image, on disk: the position of the piece before it, then the rays
     std::uint64_t at = kNone, bytes = 0;
   };
   struct Rays {  ///< of an image, in the order of points: first those of the pieces, then those in memory

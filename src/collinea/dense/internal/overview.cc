@@ -40,7 +40,7 @@ FloatImage carried_over(const LocatedMap& other, const Camera& camera) {
   return result;
 }
 
-// Another image, asked whether it has a place on its image.
+// Another image, asked whether it shows a point.
 struct Onlooker {
   const Camera& camera;
   Pinhole pinhole;

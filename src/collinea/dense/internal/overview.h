@@ -25,7 +25,7 @@ struct LocatedMap {
 
 /// Leaves and grass look different from everywhere: windows do not correlate, though small images agree on the
 /// surface. Where `result`, of the finest level, has nothing and the image has texture, and not only beside
-/// (`place`), it gets the surface `agreed` upon, with a sigma from the size of its pixels and its roughness.
+/// (`centroid`), it gets the surface `agreed` upon, with a sigma from the size of its pixels and its roughness.
 void fill_rough(const Level& finest, const TextureCentroid& centroid, const FloatImage& agreed, Refined& result);
 
 }  // namespace collinea::dense

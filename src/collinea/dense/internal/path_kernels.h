@@ -18,7 +18,7 @@ struct Arriving {
 void step_paths(const std::uint8_t* cost, int stride, const Arriving* arriving, int count, std::uint16_t small,
                 std::uint16_t* const* leaving, std::uint16_t* smallest_leaving, std::uint16_t* sums);
 
-/// The place of the first of the least of values[from] to values[to - 1], from < to <= 32767; `values` is readable to a
+/// The index of the first of the least of values[from] to values[to - 1], from < to <= 32767; `values` is readable to a
 /// multiple of 16.
 [[nodiscard]] int first_least(const std::uint16_t* values, int from, int to);
 

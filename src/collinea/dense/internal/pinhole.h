@@ -14,7 +14,7 @@ struct Pinhole {
   explicit Pinhole(const Camera& camera)
       : f(camera.focal_px()), cx(camera.params[Camera::kCx]), cy(camera.params[Camera::kCy]) {}
 
-  /// To the place (x, y) of the image, with z = 1.
+  /// To the position (x, y) of the image, with z = 1.
   [[nodiscard]] Eigen::Vector3d ray(double x, double y) const { return {(x - cx) / f, (y - cy) / f, 1}; }
 
   /// Where a point with z > 0 is seen.

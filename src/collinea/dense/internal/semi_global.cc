@@ -83,7 +83,7 @@ class TileMatching {
  private:
   void prepare(Slot& slot) {
     // guards 255; outside nothing has been paid, but guards stay
-    // Slots begin at different places of a page of 4 KB: where a load and a store before it share the lower bits of
+    // Slots begin at different positions of a page of 4 KB: where a load and a store before it share the lower bits of
     // their addresses, the processor takes them for the same.
     constexpr std::size_t kShift = 11 * 64, kPage = 4096;
     const std::size_t shift = std::size_t(&slot - slots_.data()) * kShift % kPage;

@@ -5,8 +5,8 @@
 
 namespace collinea::dense {
 
-/// Where in its 7 x 7 window a pixel has its texture: the mean place of the squared grey differences, from the middle
-/// [px]. What a window measures is the depth of that place.
+/// Where in its 7 x 7 window a pixel has its texture: the mean position of the squared grey differences, from the
+/// middle [px]. What a window measures is the depth of that position.
 struct TextureCentroid {
   FloatImage right, down;  ///< NaN without any texture
 

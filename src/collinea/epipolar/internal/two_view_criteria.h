@@ -42,8 +42,8 @@ namespace collinea {
                                  double threshold_px);
 
 /// The matches without those that stay at their pixel (within 1.5 px) while the image moves: marks, dates and dirt,
-/// which are in every image at the same place. Where the scene itself hardly moves somewhere, because it is far away
-/// or turns about that place, there are as many matches that move a little: fewer than a quarter as many between 1.5
+/// which are in every image at the same position. Where the scene itself hardly moves somewhere, because it is far away
+/// or turns about that position, there are as many matches that move a little: fewer than a quarter as many between 1.5
 /// and 6 px as within 1.5 px, and five of these at least, are a sign of marks. Otherwise all matches are given back.
 [[nodiscard]] std::vector<Match> without_marks(std::span<const Keypoint> first, std::span<const Keypoint> second,
                                                std::span<const Match> matches);

@@ -72,7 +72,8 @@ bool is_edge(const Differences::Quadratic& q, double ratio) {
   return determinant <= 0 || trace * trace * ratio > (ratio + 1) * (ratio + 1) * determinant;
 }
 
-// Two curvatures that differ let the place slip along the ridge: 1 for equal ones, 2 sqrt(r) / (r + 1) for a ratio r.
+// Two curvatures that differ let the position slip along the ridge: 1 for equal ones, 2 sqrt(r) / (r + 1) for a ratio
+// r.
 double roundness(const Differences::Quadratic& q) {
   const double determinant = q.xx * q.yy - q.xy * q.xy;
   return 2 * std::sqrt(std::max(0.0, determinant)) / std::abs(q.xx + q.yy);
@@ -147,7 +148,7 @@ std::vector<Extremum> find_extrema(const Octave& octave, double least_contrast, 
   std::vector<Located> found;
   for (const Position& position : candidates(octave, least_contrast))
     if (const auto one = located(octave, position, least_contrast, edge_ratio)) found.push_back(*one);
-  // Two candidates may have moved to the same place.
+  // Two candidates may have moved to the same position.
   std::ranges::sort(found, {}, &Located::position);
   const auto same = std::ranges::unique(found, {}, &Located::position);
   found.erase(same.begin(), same.end());

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 // The inner loops of SIFT on plain pointers, for the instruction set of the machine. Rows are rows of float pixels.
-// Unless said otherwise, a row may be read and written up to kRowSlack floats beyond its end.
+// Unless stated otherwise, a row may be read and written up to kRowSlack floats beyond its end.
 namespace collinea {
 
 inline constexpr int kRowSlack = 32;

@@ -12,7 +12,7 @@ namespace collinea {
 /// -100 km and 10,000 km. At the centre of the Earth and on its axis the longitude is 0.
 [[nodiscard]] Eigen::Vector3d geographic_from_geocentric(const Eigen::Vector3d& geocentric);
 
-/// Rows: east, north and up at a place, as directions of the Earth-centred frame.
+/// Rows: east, north and up at a position, as directions of the Earth-centred frame.
 [[nodiscard]] Eigen::Matrix3d enu_from_geocentric(double latitude_deg, double longitude_deg);
 
 }  // namespace collinea

@@ -49,12 +49,12 @@ struct MapCrs {
 /// Errors: unknown, not projected, not in metres, axes that do not point east and north.
 [[nodiscard]] Result<MapCrs> read_map_crs(pj_ctx* context, const std::string& crs);
 
-/// Map coordinates <-> geographic WGS84 by one fixed coordinate operation of PROJ: the best for the place it was made
-/// for, so that a block never straddles two operations. PROJ objects serve one thread; this lends each call its own
-/// copy. Coordinates outside the operation's domain become infinite.
+/// Map coordinates <-> geographic WGS84 by one fixed coordinate operation of PROJ: the best for the position it was
+/// made for, so that a block never straddles two operations. PROJ objects serve one thread; this lends each call its
+/// own copy. Coordinates outside the operation's domain become infinite.
 class MapProjection {
  public:
-  /// The operation for the neighbourhood of a place; without a place: for the whole CRS.
+  /// The operation for the neighbourhood of a position; without a position: for the whole CRS.
   static Result<std::shared_ptr<MapProjection>> create(const std::string& crs, const Eigen::Vector2d* near_lat_lon_deg);
 
   /// In place: (easting, northing, height) m <-> (latitude deg, longitude deg, ellipsoidal height m).

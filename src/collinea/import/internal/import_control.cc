@@ -90,7 +90,7 @@ Result<> add_control(Imported& imported, const ControlFile& control, const Local
   return {};
 }
 
-// With one ray a control point still holds its image, but nobody would notice a mistake in it.
+// With one ray a control point still holds its image, but nobody would notice a gross error in it.
 Finding hardly_seen(ControlId id, const ControlPoint& point, int images) {
   if (images == 0) return finding_of(FindingCode::kControlUnseen, {id});
   if (point.role == ControlRole::kCheck) return finding_of(FindingCode::kCheckSeenOnce, {id});

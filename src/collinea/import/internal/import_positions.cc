@@ -127,7 +127,7 @@ class PositionImporter {
       image.attitude->sigma_deg = row.sigma_deg.array().isNaN().select(0, row.sigma_deg);
     }
     if (row.angles && !image.position)
-      return fail(Errc::kBadInput, "omega, phi and kappa refer to the map at a place, and this image has none");
+      return fail(Errc::kBadInput, "omega, phi and kappa refer to the map at a position, and this image has none");
     if (!row.taken.empty()) times_.emplace_back(id, row.taken);
     return {};
   }
@@ -154,7 +154,7 @@ class PositionImporter {
       COLLINEA_TRY(frame_, LocalFrame::create(crs, origin.x(), origin.y(), origin.z()));
     }
     Eigen::Vector3d geographic = frame_->geographic_from_local(frame_->local_from_map(in_map));
-    if (!geographic.allFinite()) return fail(Errc::kBadInput, "this place is outside of " + crs);
+    if (!geographic.allFinite()) return fail(Errc::kBadInput, "this position is outside of " + crs);
     if (!has_height) geographic.z() = std::nan("");
     return geographic;
   }

@@ -13,7 +13,7 @@
 
 namespace collinea {
 
-/// Projections that a lens can be said to have.
+/// Projections that a lens can be stated to have.
 inline constexpr std::array<CameraModel, 4> kLensModels = {Brown{}, Equidistant{}, Equisolid{}, KannalaBrandt{}};
 
 struct ImportOptions {

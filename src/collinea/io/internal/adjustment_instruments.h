@@ -26,7 +26,7 @@ class InstrumentLines {
 
  private:
   Instruments found_;
-  std::map<std::string, std::size_t> tracks_;  // places in position_tracks
+  std::map<std::string, std::size_t> tracks_;  // indices in position_tracks
   std::set<ImageId> on_track_;
 };
 

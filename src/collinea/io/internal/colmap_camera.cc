@@ -11,7 +11,7 @@ namespace collinea::colmap {
 namespace {
 
 constexpr int kOpencvFisheye = 5, kThinPrismFisheye = 10;
-constexpr int kGrid = 24;  // places along each side of the image where cameras are compared
+constexpr int kGrid = 24;  // positions along each side of the image where cameras are compared
 
 template <class Visit>
 void visit_grid(const Camera& camera, Visit&& visit) {

@@ -68,7 +68,7 @@ Result<> take_initial(const XmlElement& io, double pixel_height_mm, const std::f
   return {};
 }
 
-// One image is held, and of the one farthest from it along an axis the coordinate there.
+// One image is fixed, and of the one farthest from it along an axis the coordinate there.
 Result<> take_dependent_datum(const XmlElement& datum, const std::filesystem::path& path, AdjustmentFile& file) {
   const auto reference = integer(datum.attribute("ref_cam"));
   const ImageId fixed{reference && *reference >= 0 ? std::uint32_t(*reference) : ImageId::kNone};

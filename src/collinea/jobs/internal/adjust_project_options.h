@@ -57,13 +57,14 @@ struct AdjustProjectOptions {
                 "use control points where orient did; otherwise they are all check points"});
     visit(Field{"use_geodetic", &O::use_geodetic, "",
                 "use what was measured between control points where orient did; otherwise it is only compared"});
-    visit(Field{"given_sigmas", &O::given_sigmas, "",
-                "take the sigmas of control and the places of positions as they were given, also where orient found "
-                "them contradicted"});
+    visit(
+        Field{"given_sigmas", &O::given_sigmas, "",
+              "take the sigmas of control and the coordinates of positions as they were given, also where orient found "
+              "them contradicted"});
     visit(Field{"snoop", &O::snoop, "",
-                "take out the worst suspect and adjust again, until none is left; measurements of control that orient "
-                "took out are tried again"});
-    visit(Field{"snoop_most", &O::snoop_most, "1", "upper bound of what snooping takes out", 1, 1000000});
+                "reject the worst suspect and adjust again, until none is left; measurements of control that orient "
+                "rejected are tried again"});
+    visit(Field{"snoop_most", &O::snoop_most, "1", "upper bound of what snooping rejects", 1, 1000000});
     visit(Field{"variance_components", &O::variance_components, "",
                 "estimate the standard deviations of each group of observations, and use them"});
     visit(Part{&O::tests});

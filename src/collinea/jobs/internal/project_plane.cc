@@ -150,7 +150,7 @@ Vector3d up_of(const Block& block) {
   return up.norm() > 0 ? up.normalized() : Vector3d::UnitZ();
 }
 
-// Lower left and upper right corner of most of the points: one of a hundred on each side may be astray.
+// Lower left and upper right corner of most of the points: one of a hundred on each side may be wrong.
 std::pair<Vector2d, Vector2d> most_of(const FoundPlane& found, const FramedPlane& plane) {
   std::vector<double> x, y;
   for (const Vector3d& p : found.points) {

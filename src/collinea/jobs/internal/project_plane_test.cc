@@ -33,7 +33,7 @@ class PlaneOfAProject : public SmallProject {
   void a_plane_of_a_block_without_scale_says_so();
 };
 
-// A plane that was drawn, and what is told of it.
+// A plane that was drawn, and what is reported of it.
 struct DrawnPlane {
   nlohmann::json reported;
   FramedPlane frame;
@@ -65,7 +65,7 @@ DrawnPlane drawn_plane(const fs::path& image) {
   return drawn;
 }
 
-// The RMS difference of a drawn plane to what the first of its images that shows a place has `aside` cells beside.
+// The RMS difference of a drawn plane to what the first of its images that shows a point has `aside` cells beside.
 double difference_to_images(const DrawnPlane& plane, const Block& block, const fs::path& photos, double aside) {
   double squares = 0, count = 0;
   std::map<std::string, ColourImage> images;
@@ -164,7 +164,7 @@ void PlaneOfAProject::the_plane_of_a_region_is_the_one_that_most_points_of_the_c
   double squares = 0;
   for (const Eigen::Vector3d& point : cloud)
     if (plane.off_m(point) < kTolerance_m) squares += plane.off_m(point) * plane.off_m(point);
-  // What is told is of the points that the last fit was made of, which then moved the plane a little.
+  // What is reported is of the points that the last fit was made of, which then moved the plane a little.
   EXPECT_NEAR(reported.at("points").get<double>(), double(count), 0.01 * double(count));
   EXPECT_NEAR(reported.at("rms_m").get<double>(), std::sqrt(squares / double(count)), 0.01 * kTolerance_m);
   // No other that three of its points make holds more.
@@ -196,7 +196,7 @@ void PlaneOfAProject::planes_that_cannot_be_drawn_are_refused_in_words() {
   EXPECT_FALSE(fs::exists(root_ / "refused.tif"));
 }
 
-// Whether lengths are metres is what the orientation says, not whether the block has a place on the map.
+// Whether lengths are metres is what the orientation says, not whether the block is georeferenced.
 void PlaneOfAProject::a_plane_of_a_block_without_scale_says_so() {
   const fs::path local = copy("local");
   const std::string names = three_points(open_project(local, {})->store.read_block().value());

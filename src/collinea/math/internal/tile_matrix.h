@@ -28,7 +28,7 @@ class TileMatrix {
   [[nodiscard]] std::span<const int> columns(int row) const {
     return {columns_.data() + row_begin_[row], columns_.data() + row_begin_[row + 1]};
   }
-  /// Places of tiles: of the first and of the diagonal one of a row, and of any one (kNowhere: not held).
+  /// Indices of tiles: of the first and of the diagonal one of a row, and of any one (kNowhere: not stored).
   [[nodiscard]] std::size_t first(int row) const { return row_begin_[row]; }
   [[nodiscard]] std::size_t diagonal(int row) const { return row_begin_[row + 1] - 1; }
   [[nodiscard]] std::size_t find(int row, int column) const;

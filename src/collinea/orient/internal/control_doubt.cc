@@ -30,7 +30,7 @@ ByKind<Shown> shown_by_coordinates(const Block& setup, const Adjusted& adjusted)
     if (!control.used || !control.covariance_m2) continue;
     const Eigen::Vector3d& sigma_m = setup.control.at(control.point).sigma_m;
     for (int axis = 0; axis < 3; ++axis) {
-      if (!(sigma_m[axis] > 0 && std::isfinite(sigma_m[axis]))) continue;  // held: nothing shows
+      if (!(sigma_m[axis] > 0 && std::isfinite(sigma_m[axis]))) continue;  // fixed: nothing shows
       Shown& its = shown[kind_of(axis)];
       ++its.coordinates;
       its.squares += std::pow(control.difference_m[axis] / sigma_m[axis], 2);

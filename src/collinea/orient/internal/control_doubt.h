@@ -15,7 +15,7 @@ template <class T>
 using ByKind = std::array<T, 2>;
 [[nodiscard]] constexpr ControlKind kind_of(int axis) { return axis == 2 ? kHeight : kPlan; }
 
-/// With less redundancy nothing is said of a standard deviation.
+/// With less redundancy nothing is stated of a standard deviation.
 inline constexpr double kLeastRedundancy = 3;
 
 /// The standard deviation of unit weight of control alone, over what is left after each point's three unknowns: of its

@@ -19,11 +19,11 @@ struct Datum {
 };
 
 /// Estimates the datum robustly (least median of squares over triples, then iterated least squares of those within
-/// 27^1/2 robust standard deviations of one coordinate). Control points in three and more places decide alone, because
-/// receivers' positions may be systematically off; with fewer, camera positions decide, together with the control there
-/// is. Control points are intersected from their image measurements, whatever frame the block is in. Nothing when fewer
-/// than three places are known or when they lie on one line (within a thousandth of its length, or within their own
-/// uncertainty).
+/// 27^1/2 robust standard deviations of one coordinate). Control points in three and more positions decide alone,
+/// because receivers' positions may be systematically off; with fewer, camera positions decide, together with the
+/// control there is. Control points are intersected from their image measurements, whatever frame the block is in.
+/// Nothing when fewer than three positions are known or when they lie on one line (within a thousandth of its length,
+/// or within their own uncertainty).
 [[nodiscard]] std::optional<Datum> datum(const Block& block, bool use_positions = true, bool use_control = true,
                                          std::uint64_t seed = 1);
 

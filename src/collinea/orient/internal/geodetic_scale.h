@@ -20,8 +20,8 @@ struct GeodeticScale {
 
 /// The weighted mean of given over intersected length of the distances that agree with the one that most agree with:
 /// within five standard deviations of the two or a thousandth, whichever is more. With two that do not agree nothing
-/// tells which is wrong: both are kept, and that is said. Nothing when no distance has both points intersected from two
-/// images.
+/// tells which is wrong: both are kept, and that is reported. Nothing when no distance has both points intersected from
+/// two images.
 [[nodiscard]] std::optional<GeodeticScale> geodetic_scale(const Block& block);
 
 }  // namespace collinea

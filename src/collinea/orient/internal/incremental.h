@@ -11,7 +11,7 @@ inline constexpr double kSettledDamping = 1e-8;
 
 /// Orients as many images as hang together: an initial pair with parallax and support, then image after image by
 /// resection, intersection of new points, local and, at growing intervals, global adjustment with self-calibration and
-/// rejection of bad rays. The result lies in an arbitrary gauge. Where images are in place already, growth goes on from
+/// rejection of bad rays. The result lies in an arbitrary gauge. Where images are oriented already, growth goes on from
 /// them. Images given in `exclude` stay out. Nothing was
 /// oriented: an empty reconstruction. After Schoenberger & Frahm (2016), Structure-from-motion revisited; without their
 /// camera-specific retriangulation.
@@ -22,7 +22,7 @@ inline constexpr double kSettledDamping = 1e-8;
 [[nodiscard]] bool can_start(std::span<const ImagePair> pairs, const std::set<ImageId>& exclude);
 
 /// How a grown block is adjusted: with the noise its tie points have and, from three images on, with all camera
-/// parameters: a parameter that is held counts as exactly known, and f with its sigma pays for what it really is.
+/// parameters: a parameter that is fixed counts as exactly known, and f with its sigma pays for what it really is.
 [[nodiscard]] AdjustOptions settled_options(const Reconstruction& reconstruction, const OrientOptions& options);
 
 /// Global adjustment, rejection of bad rays and intersection of what was left, until little changes; images that keep

@@ -78,7 +78,7 @@ std::vector<Level> levels_of(const Block& block) {
   return levels;
 }
 
-// One station: its place in a level block and what its receiver said.
+// One station: its position in a level block and what its receiver measured.
 struct Station {
   std::complex<double> in_block, in_world;
   double sigma_m;

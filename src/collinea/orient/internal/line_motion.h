@@ -19,7 +19,7 @@ struct LineMotion {
 };
 
 /// For every image with enough tie points of three rays and more: its robust residuals by six unknowns of the pose and,
-/// beside them, three of a turn that grows from line to line. Points and cameras are held, the fall in variance pays
+/// beside them, three of a turn that grows from line to line. Points and cameras are fixed, the fall in variance pays
 /// for the three unknowns. Lines run along rows or columns of the images (a telephone held upright), whichever
 /// explains more.
 [[nodiscard]] LineMotion line_motion(const Block& oriented);

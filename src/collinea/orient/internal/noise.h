@@ -18,9 +18,9 @@ struct TieNoise {
   double gross_sigmas = std::numeric_limits<double>::infinity();
 };
 
-/// How the standard deviation of a feature's place grows with the scale it was found at, relative to 2 px. Two errors
-/// add up: that of the pixels (noise, sampling), the same for all, and one that grows with the feature, because what
-/// surrounds the point looks different from elsewhere.
+/// How the standard deviation of a feature's position grows with the scale it was found at, relative to 2 px. Two
+/// errors add up: that of the pixels (noise, sampling), the same for all, and one that grows with the feature, because
+/// what surrounds the point looks different from elsewhere.
 [[nodiscard]] double sigma_factor(double scale_px);
 
 /// Fits a Student distribution in two dimensions to the squared lengths of errors (in units of sigma_factor^2 px^2,

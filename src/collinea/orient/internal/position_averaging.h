@@ -23,7 +23,7 @@ struct RelativeDirection {
   Eigen::Vector3d direction;  ///< unit length
 };
 
-/// Where a receiver says a camera was; infinite sigma: it said nothing.
+/// Where a receiver says a camera was; infinite sigma: not measured.
 struct ReceivedPosition {
   Eigen::Vector3d position_in_world = Eigen::Vector3d::Zero();
   Eigen::Vector3d sigma_m = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());  ///< [m]

@@ -218,7 +218,7 @@ void Reconstruction::drop_image(ImageId image) {
   poses_.erase(image);
   const CameraId camera = setup_.images.at(image).camera;
   if (!camera_in_use(camera))
-    cameras_.at(camera) = setup_.cameras.at(camera);  // its pose may have told its focal length
+    cameras_.at(camera) = setup_.cameras.at(camera);  // its pose may have determined its focal length
   for (const RayRef& ref : rays_of(image)) {
     TrackState& track = tracks_[ref.track];
     track.rays[ref.ray].active = false;

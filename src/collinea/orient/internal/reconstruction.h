@@ -70,7 +70,7 @@ class Reconstruction {
   void sleep_surplus();
   void wake_all();
 
-  /// Puts two images in place and intersects what they share. Returns the number of points.
+  /// Orients two images and intersects what they share. Returns the number of points.
   int start(ImageId first, ImageId second, const Rigid3& second_from_first);
   /// How well the points found so far cover a new image: grows with their number and spread. And their number.
   struct Coverage {
@@ -92,7 +92,7 @@ class Reconstruction {
   /// Switches off rays with large residuals and points with too small an angle. Returns how many rays went.
   int filter(double max_error_px, const Run& run);
 
-  /// Adjusts `centre` with its closest neighbours; everything else is held.
+  /// Adjusts `centre` with its closest neighbours; everything else is fixed.
   Result<> adjust_around(ImageId centre, const AdjustOptions& options, const Run& run);
   Result<Adjusted> adjust_all(const AdjustOptions& options, const AdjustScope& scope, const Run& run);
   /// The same with covariances.
@@ -117,7 +117,7 @@ class Reconstruction {
   void move_rays(const Block& block, std::span<const std::optional<Eigen::Vector2d>> positions_px);
   /// Cameras that are calibrated get these parameters, zero at first.
   void set_additional(AdditionalSet set);
-  /// Puts images in place; nothing else.
+  /// Sets the poses of images; nothing else.
   void start_from_poses(const std::map<ImageId, Rigid3>& poses);
   /// Gives up images with fewer active rays, and those that have fewer without them.
   void drop_loose(int least_rays);

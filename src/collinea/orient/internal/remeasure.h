@@ -15,12 +15,12 @@ namespace collinea {
 using ImageSource = std::function<Result<GreyImage>(ImageId)>;
 
 /// Measures the images of the tie points of an oriented block once more, by least squares matching: of each point, the
-/// image seen from nearest the middle of its directions is the reference and keeps its place; the others are matched
+/// image seen from nearest the middle of its directions is the reference and keeps its position; the others are matched
 /// with it. The window reaches four times the scale of the reference's feature, but eight pixels at least, to each
 /// side. Poses and points predict how it is turned and stretched elsewhere, on a surface that faces the cameras.
 ///
-/// The new places, in the order of block.observations; nothing where there is none: no convergence (see
-/// ReferenceWindow), farther from the old place than the feature's scale, at the border, image not readable, or an
+/// The new positions, in the order of block.observations; nothing where there is none: no convergence (see
+/// ReferenceWindow), farther from the old position than the feature's scale, at the border, image not readable, or an
 /// image without a partner. Memory: the images in work, and pieces of images of at most 65536 observations at a
 /// time. Every image is read once for each such lot of points that it shows. Errors: keypoints not readable,
 /// cancelled.

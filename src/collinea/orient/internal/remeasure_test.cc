@@ -14,7 +14,7 @@ namespace {
 constexpr int kWidth = 480, kHeight = 360;
 constexpr std::uint32_t kImages = 4, kPoints = 60;
 
-// Three images of the floor z = 0, painted with waves, and one that cannot be read; places of features are off by
+// Three images of the floor z = 0, painted with waves, and one that cannot be read; positions of features are off by
 // 0.3 px, poses and points are true.
 class PaintedFloor : public ::testing::Test {
  protected:

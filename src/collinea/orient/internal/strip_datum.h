@@ -11,11 +11,11 @@
 
 namespace collinea {
 
-/// The datum of a single strip: positions on one line fix place, scale and direction, but not the turn about the line;
-/// that comes from the attitudes the camera wrote. Good to about a degree across the line. Nothing when fewer than half
-/// of the images have an attitude, when these contradict each other, when the positions (root mean square distance from
-/// their middle) do not reach over ten times their standard deviation, or when the line through them, their longest
-/// axis, is steep. Every position counts by its own standard deviation.
+/// The datum of a single strip: positions on one line fix location, scale and direction, but not the rotation about the
+/// line; that comes from the attitudes the camera wrote. Good to about a degree across the line. Nothing when fewer
+/// than half of the images have an attitude, when these contradict each other, when the positions (root mean square
+/// distance from their middle) do not reach over ten times their standard deviation, or when the line through them,
+/// their longest axis, is steep. Every position counts by its own standard deviation.
 [[nodiscard]] std::optional<Similarity3> strip_datum(const Block& block);
 
 /// What the attitudes of the cameras say of the vertical, as observations for the adjustment. Mounting and gimbal err

@@ -105,8 +105,8 @@ inline Block side_by_side(Block first, const Block& second, std::uint32_t shift 
   return first;
 }
 
-/// Root mean square distance of the projection centres from the truth [m]; in place, or after the similarity that fits
-/// best.
+/// Root mean square distance of the projection centres from the truth [m]; as they lie, or after the similarity that
+/// fits best.
 inline double centre_rms_m(const Block& block, const Block& truth, bool aligned) {
   std::vector<Eigen::Vector3d> found, exact;
   for (const auto& [image, pose] : oriented_images(block)) {

@@ -202,12 +202,12 @@ Error nothing_fits(std::span<const ImagePair> pairs) {
   for (const ImagePair& pair : pairs) ++(pair.geometry == PairGeometry::kRotation ? rotations : others);
   if (rotations > others)
     return Error{Errc::kIllPosed,
-                 "the photographs were taken from one place (a panorama): without parallax there is no depth. Take "
-                 "overlapping photographs from different places, a tenth of the distance apart and more"};
+                 "the photographs were taken from one position (a panorama): without parallax there is no depth. Take "
+                 "overlapping photographs from different positions, a tenth of the distance apart and more"};
   return Error{
       Errc::kIllPosed,
       "no two images fit together with enough parallax: are there overlapping photographs of one scene, taken from "
-      "different places?"};
+      "different positions?"};
 }
 
 }  // namespace collinea

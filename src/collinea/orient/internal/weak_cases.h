@@ -22,7 +22,7 @@ namespace collinea {
 [[nodiscard]] std::vector<Finding> weak_cases(const Block& oriented, const Block& setup,
                                               std::span<const ImagePair> pairs, const Examined& adjusted);
 
-/// That no two images could start a block, and why: no overlap, one place of exposure (panorama), or too little
+/// That no two images could start a block, and why: no overlap, one position of exposure (panorama), or too little
 /// parallax.
 [[nodiscard]] Error nothing_fits(std::span<const ImagePair> pairs);
 

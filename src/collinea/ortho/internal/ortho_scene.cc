@@ -45,7 +45,7 @@ HeightRange heights_under(const HeightOverview& overview, const CellArea& surfac
   return range;
 }
 
-// Views that show something of the patch, by a coarse look at 5 x 5 places, lowest and highest.
+// Views that show something of the patch, by a coarse look at 5 x 5 positions, lowest and highest.
 std::vector<std::size_t> views_over(const OrthoScene& scene, const WorldLattice& lattice, const CellArea& area,
                                     const HeightRange& range) {
   std::vector<std::size_t> found;
@@ -68,13 +68,13 @@ std::vector<std::size_t> views_over(const OrthoScene& scene, const WorldLattice&
   return found;
 }
 
-// From the lowest places of an area to the views that show it, in cells of the surface.
+// From the lowest points of an area to the views that show it, in cells of the surface.
 struct LinesOfSight {
   double cells_per_m = 0;  // the flattest: how far it runs per rise
   double cells = 0;        // the longest
   double least_rise_m = std::numeric_limits<double>::infinity();
 
-  // The flattest from places so much higher.
+  // The flattest from points so much higher.
   [[nodiscard]] double cells_per_m_from(double lifted_m) const {
     return cells_per_m * least_rise_m / std::max(least_rise_m - lifted_m, 1e-3 * least_rise_m);
   }
@@ -108,7 +108,7 @@ int gap(int first, int cells, int other_first, int other_cells) {
   return std::max({0, other_first - first - cells, first - other_first - other_cells});
 }
 
-// What could hide places of an area, by the highest and lowest of blocks of the surface.
+// What could hide points of an area, by the highest and lowest of blocks of the surface.
 struct Reach {
   int cells = 0;           // from the area on: how far away something could stand that does
   SurfaceBlocks far = {};  // empty: nothing that does is further than Occluders::kNear from what it hides

@@ -10,7 +10,7 @@
 
 namespace collinea {
 
-/// Which view each place of the orthophoto is to be taken from, if that view sees it: found, or given.
+/// Which view each cell of the orthophoto is to be taken from, if that view sees it: found, or given.
 struct SeamPlan {
   static constexpr int kCoarse = SeamWindow::kCoarse;  ///< cells of the orthophoto along a cell of the plan
 

@@ -181,7 +181,7 @@ TEST(SeamWindow, NoSingleCellCouldDoBetter) {
 }
 
 // A roof with a chimney, 10 m square, across the border of two windows of the plan and midway between two images
-// that each see all of it but what the chimney hides: it is of one image, those places included.
+// that each see all of it but what the chimney hides: it is of one image, that part included.
 TEST(SeamPlan, ARoofIsOfOneImageAsAWhole) {
   constexpr double kCell = 0.2, kMiddleX = 1024 * kCell, kMiddleY = 16;
   constexpr int kWidth = 1184, kHeight = 160;

@@ -177,7 +177,7 @@ Labels choose_views(const OrthoPatch& patch, std::span<const View* const> views,
 }
 
 void close_pinholes(const FloatImage& heights_m, std::size_t views, Labels& labels) {
-  constexpr int r = 2, kMostUnseen = 10;  // of 25 cells; a cell at the straight border of a hidden place has 15
+  constexpr int r = 2, kMostUnseen = 10;  // of 25 cells; a cell at the straight border of a hidden area has 15
   std::vector<int> votes(views);
   const Labels before = labels;
   for (int y = r; y < labels.height - r; ++y) {

@@ -32,7 +32,7 @@ struct WantedViews {
 void close_pinholes(const FloatImage& heights_m, std::size_t views, Labels& labels);
 
 /// The weight of one view in each cell of a rectangle: 1 well inside its own area, falling to 0 within feather_cells on
-/// both sides of its seams, and towards places that it does not see. A label's own cells keep a little, so that
+/// both sides of its seams, and towards areas that it does not see. A label's own cells keep a little, so that
 /// something is left where no other view sees them. Sum over the views is not 1.
 struct ViewWeights {
   int column = 0, row = 0;  ///< of the rectangle in the patch

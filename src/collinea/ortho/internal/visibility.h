@@ -35,7 +35,7 @@ struct OrthoPatch {
   }
 };
 
-/// How far from hidden places an orthophoto of such cells counts as hidden, too: roof edges of a surface model are good
+/// How far from hidden areas an orthophoto of such cells counts as hidden, too: roof edges of a surface model are good
 /// to about a cell; one cell of the orthophoto more for the reach of the interpolation in the image.
 [[nodiscard]] double rim_m(const HeightField& surface, double cell_m);
 
@@ -49,12 +49,12 @@ class Visibility {
 
   /// `view`: index into the views. Cells without height are seen by nobody.
   [[nodiscard]] bool sees(int view, int x, int y);
-  /// As sees(), but a few hidden cells in the rim do not count (the teeth of an edge), as long as the next neighbours
-  /// are seen: better than nothing where no view sees a cell well. Along the border of a larger hidden place it is no
-  /// help.
+  /// As sees(), but a few hidden cells along the border do not count (artefacts of an edge), as long as the next
+  /// neighbours are seen: better than nothing where no view sees a cell well. Along the border of a larger hidden area
+  /// it is no help.
   [[nodiscard]] bool sees_barely(int view, int x, int y);
   /// True when only small things stand between the view and a cell (Occluders::wide_ones_hide), and its line
-  /// of sight passes wide ones at two cells or more. Places beside walls are not seen by this rule either.
+  /// of sight passes wide ones at two cells or more. Points beside walls are not seen by this rule either.
   [[nodiscard]] bool sees_past_small_things(int view, int x, int y) const;
   /// True when the view sees all cells of a block that have a height.
   [[nodiscard]] bool sees_block(int view, int block_x, int block_y) {

@@ -14,7 +14,8 @@ namespace {
 const Run kRun;
 
 // Of 300 blocks over gentle ground with positions good to 2 cm: what f, in error, has in common with the height of the
-// image that is named, and with its turn about north, is what is told, to four deviations (1 - rho^2) / sqrt(n).
+// image that is named, and with its rotation about north, is what is reported, to four deviations (1 - rho^2) /
+// sqrt(n).
 TEST(CameraPoses, ErrorsGoTogetherAsStated) {
   constexpr int kBlocks = 300;
   const Block truth = testing::test_block({.rows = 2, .columns = 3, .points = 60, .relief_m = 3, .tilt_rad = 0.03});

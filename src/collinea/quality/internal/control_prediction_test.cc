@@ -73,9 +73,10 @@ TEST(ControlPrediction, CheckPointErrorsAreAsLongAsPredicted) {
 }
 
 // Image sigmas that are wrong by a factor, of a survey that is as good as stated: check points, control and control
-// left out differ nearly as much as is said; were the survey multiplied too, the mean of squares would be 4 or 1/4. The
-// place of the block, which comes from control, is multiplied with the rest: a tenth of the survey's variance with 24
-// points, four tenths when sigma0 is 2. With true sigmas four deviations of the mean of 60 blocks, by their scatter.
+// left out differ nearly as much as is stated; were the survey multiplied too, the mean of squares would be 4 or 1/4.
+// The position of the block, which comes from control, is multiplied with the rest: a tenth of the survey's variance
+// with 24 points, four tenths when sigma0 is 2. With true sigmas four deviations of the mean of 60 blocks, by their
+// scatter.
 TEST(ControlPrediction, WrongImageSigmasDoNotChangeWhatTheSurveyIsWorth) {
   for (const double wrong : {0.5, 1.0, 2.0}) {
     std::array<double, 4> sum{}, squares{};  // check, control, left out, tests of control

@@ -171,7 +171,7 @@ TEST(FreeNetwork, ACheckPointIsInTheDatumOfItsNeighbours) {
   for (const ControlDifference& one : adjusted->control)
     if (one.point == check) {
       const Eigen::Matrix3d &as_tie = adjusted->point_covariance.front(), &as_check = *one.covariance_m2;
-      EXPECT_GT(as_check.trace(), as_tie.trace());  // its rays are told twice otherwise
+      EXPECT_GT(as_check.trace(), as_tie.trace());  // its rays count twice otherwise
       EXPECT_LT(as_check.trace(), 1.5 * as_tie.trace());
     }
 }

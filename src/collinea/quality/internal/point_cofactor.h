@@ -20,8 +20,8 @@ class PointSystem {
 
   /// A ray in an image of the problem, or (image < 0) in one whose pose and camera are exact.
   void add(const LinearRay& linear, int image, const State& state);
-  /// After the last ray. Held points have no unknowns of their own; those that keep theirs have them from row `joined`
-  /// of the global parameters on (-1: the point is eliminated).
+  /// After the last ray. Fixed points have no unknowns of their own; those that keep theirs have them from row
+  /// `first_retained` of the global parameters on (-1: the point is eliminated).
   void close(bool is_fixed, const ControlCoordinates* control, const double* position, int first_retained = -1);
 
   /// V^-1 b, V being the point's own normal matrix.
@@ -37,7 +37,7 @@ class PointSystem {
   [[nodiscard]] std::vector<Eigen::Matrix2d> leverages(TileCholesky& inverse) const;
   /// Adds to `by_reduced` how the point follows the reduced unknowns along a direction: -direction' L^-T Z'.
   void add_following(const Eigen::Vector3d& direction, Eigen::VectorXd& by_reduced) const;
-  /// The point's place relative to a pose of its rays along a direction: its variance, and its product with `vector`
+  /// The point's position relative to a pose of its rays along a direction: its variance, and its product with `vector`
   /// (of all reduced unknowns).
   struct Relative {
     double variance = 0, product = 0;

@@ -10,7 +10,7 @@
 
 namespace collinea {
 
-/// How well a place is known from images and cameras as they came out, by rays without error of their own: what
+/// How well a point is known from images and cameras as they came out, by rays without error of their own: what
 /// everything that is measured in the adjusted images has in common with what lies around it.
 struct PointPrecision {
   Eigen::Vector3d position_in_world;

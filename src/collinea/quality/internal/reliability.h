@@ -28,8 +28,8 @@ struct TestOptions {
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = TestOptions;
-    visit(Field{"false_alarm", &O::false_alarm, "1", "probability that the test of a good observation says blunder",
-                1e-12, 0.5});
+    visit(
+        Field{"false_alarm", &O::false_alarm, "1", "probability that the test rejects a good observation", 1e-12, 0.5});
     visit(Field{"power", &O::power, "1", "probability with which a minimal detectable bias is found", 0.5, 0.999});
     visit(Field{"sigma0_known", &O::sigma0_known, "",
                 "the given sigmas are true: test by Baarda's w; otherwise by Pope's tau"});
@@ -67,7 +67,7 @@ struct GroupSums {
   double redundancy = 0;
   double squared_redundancy = 0;  ///< the sum of r^2
   double squares = 0;             ///< weighted squares of residuals
-  /// The factor by which the given sigmas should be multiplied; 1 when it is not told: not even that
+  /// The factor by which the given sigmas should be multiplied; 1 when it is not determined: not even that
   /// it should be larger.
   [[nodiscard]] double sigma_factor() const;
   /// The standard deviation of sigma_factor() over the factor, (2 sum r^2)^-1/2: as if each observation were checked by

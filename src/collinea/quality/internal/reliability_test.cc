@@ -267,8 +267,8 @@ TEST(Reliability, IsTrueUnderRobustLosses) {
                                 std::size_t(ObservationGroup::kPositionHeight), kSigma0, kLevel, kPose}) {
       const double mean = sum[i] / kBlocks, sigma = std::sqrt((squares[i] / kBlocks - mean * mean) / kBlocks);
       const bool falls = loss == Loss::kCauchy && i != kPose;
-      // Beside chance what is told above, with a tenth of it: 2 % of variances under Huber's loss (1 % of sigma0), 8 %
-      // of tie points and 20 % of positions and of the level under Cauchy's; and never more than one.
+      // Beside chance what is stated above, with a tenth of it: 2 % of variances under Huber's loss (1 % of sigma0), 8
+      // % of tie points and 20 % of positions and of the level under Cauchy's; and never more than one.
       const double influence = !falls ? 0.02 : i == 0 || i == kSigma0 ? 0.09 : 0.22;
       EXPECT_LT(mean, 1 + 4 * sigma + 0.02) << loss << " " << i;
       EXPECT_GT(mean, 1 - 4 * sigma - influence) << loss << " " << i;

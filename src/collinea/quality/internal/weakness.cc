@@ -30,7 +30,7 @@ constexpr std::array kImitatingMotions = {Aspect::kDistance, Aspect::kTiltX, Asp
 constexpr double kDegrees = 180 / std::numbers::pi;
 // A motion of the whole block that moves its edge by so many standard deviations of what fixes the block.
 constexpr double kWeakMotion = 5;
-// A parameter that owes half of its information, and more, to its weak observation.
+// A parameter that owes half of its information, and more, to its pseudo-observation.
 constexpr double kShareOfPrior = 0.5;
 // A motion whose standard deviation the camera's parameters enlarge so many times: a correlation of 0.995 with them.
 // (Principal point and tilt have 0.97 in any block whose images look down.)
@@ -484,7 +484,7 @@ bool WeaknessFinder::name_imitation(const TileCholesky& factor, const FreeCamera
   return true;
 }
 
-// Parameters that owe their values to the weak observations.
+// Parameters that owe their values to the pseudo-observations.
 void WeaknessFinder::name_what_is_owed(const FreeCamera& free, bool imitated) {
   std::vector<Subject> owed;
   bool focal = false, decentred = false;

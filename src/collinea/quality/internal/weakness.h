@@ -24,14 +24,14 @@ class WeaknessFinder {
 
   /// Without any solution: motions of the whole that nothing observes, images that are left out.
   void look_at_observations();
-  /// Images that look from nearly one place: whose points have distances that hardly anything tells. Needs the inverse
-  /// after look_at_correlations(); without (nullptr) it trusts the positions in the images, and sees less.
+  /// Images that look from nearly one position: whose points have distances that hardly anything tells. Needs the
+  /// inverse after look_at_correlations(); without (nullptr) it trusts the positions in the images, and sees less.
   void look_at_bases(TileCholesky* inverse, const Run& run);
   /// Where the normal equations are singular beyond the datum: which images hang loose, by inverse iteration with a
   /// slightly stiffened matrix.
   void look_at_loose_images(Solved& solved, const Run& run);
   /// With the factor: motions of the whole that are far worse known than what fixes them, parameters of cameras that
-  /// only their weak observations determine, and motions of the images that imitate them. At most seven solutions for
+  /// only their pseudo-observations determine, and motions of the images that imitate them. At most seven solutions for
   /// the block and thirteen for each of up to three cameras.
   void look_at_correlations(const TileCholesky& factor);
   /// Images known far worse than the others.
@@ -53,7 +53,7 @@ class WeaknessFinder {
   void name_unseen(const std::vector<const DatumConstraint*>& unseen, bool whole);
   void name_articulation_images();
   void look_at_motions(const TileCholesky& factor);
-  /// A camera with its free parameters: their place among the reduced unknowns, and their cofactors.
+  /// A camera with its free parameters: their index among the reduced unknowns, and their cofactors.
   struct FreeCamera {
     const ProblemCamera& camera;
     int first;

@@ -144,7 +144,7 @@ TEST(Weakness, NoDatum) {
   expect_named(block, weaknesses_of(block, with_covariances()), FindingCode::kNoDatum, "degrees_of_freedom 7");
 }
 
-TEST(Weakness, NoScale) {  // place and attitude are known
+TEST(Weakness, NoScale) {  // position and attitude are known
   Block block = test_block(usual(6));
   keep_control(block, 1);
   AdjustScope scope;
@@ -261,7 +261,7 @@ TEST(Weakness, ImagesTurnedOnly) {
   expect_named(block, weaknesses_of(block, with_covariances()), FindingCode::kNoBase, "image IMG_0.jpg");
 }
 
-// Control in the images gives their places to centimetres, and with them bases that are nothing but its errors.
+// Control in the images gives their positions to centimetres, and with them bases that are nothing but its errors.
 TEST(Weakness, ImagesTurnedOnlyAmongControl) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     testing::TestBlockOptions options = usual(24);

@@ -16,7 +16,7 @@ struct ChannelTable {
   int width = 0, height = 0;                 ///< nodes; 0: no table, all values 0
   std::array<std::vector<float>, 3> values;  ///< by channel, rows along x
 
-  /// The four nodes round a place and their weights. Only of tables with two nodes and more each way.
+  /// The four nodes round a position and their weights. Only of tables with two nodes and more each way.
   struct Interpolation {
     std::array<int, 4> node;
     std::array<float, 4> weight;

@@ -23,7 +23,7 @@ namespace collinea {
 [[nodiscard]] std::string correlation_section(const AdjustmentReport& report);
 [[nodiscard]] nlohmann::ordered_json pose_correlation_json(const AdjustmentReport& report);
 [[nodiscard]] nlohmann::ordered_json camera_pose_correlation_json(const AdjustmentReport& report);
-/// Images and tie points whose places are known worst.
+/// Images and tie points whose positions are known worst.
 [[nodiscard]] std::string weak_section(const AdjustmentReport& report);
 [[nodiscard]] nlohmann::ordered_json weak_json(const AdjustmentReport& report);
 /// Additional parameters of cameras: which are significant, which are alike, which to drop.

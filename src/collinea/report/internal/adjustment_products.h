@@ -16,7 +16,7 @@ namespace collinea {
 struct ProductImage {
   ImageId image;
   Eigen::Vector3d centre_m;
-  OmegaPhiKappa angles;                ///< to the axes of the map at this place
+  OmegaPhiKappa angles;                ///< to the axes of the map at this position
   Eigen::Quaterniond cam_from_map;     ///< the same, w >= 0; the camera's axes: right, down, forward
   Eigen::Matrix3d covariance_m2;       ///< of the centre
   Eigen::Vector3d sigma_rotation_deg;  ///< of small turns about x, y, z of the world

@@ -13,7 +13,7 @@ namespace collinea {
 
 /// Footprints, image positions, control with exaggerated differences, north arrow and scale, seen from above.
 [[nodiscard]] std::string block_map(const ReportInput& input, const Coverage& coverage, const std::string& unit);
-/// How many images see each place.
+/// How many images see each point of the ground.
 [[nodiscard]] std::string overlap_map(const Overlap& overlap, const std::string& unit);
 /// Coordinates of residuals with the normal distribution of the same standard deviation.
 [[nodiscard]] std::string residual_histogram(const ResidualStatistics& statistics);

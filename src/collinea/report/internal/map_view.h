@@ -36,7 +36,7 @@ class MapBounds {
 /// A round length in the unit it is read in: "5 mm", "2 km".
 [[nodiscard]] std::string scale_text(double length, const std::string& unit);
 
-/// A model without a place (unit other than "m") has no north.
+/// A model that is not georeferenced (unit other than "m") has no north.
 void draw_scale_and_north(Svg& svg, const MapView& view, const std::string& unit);
 
 /// The ellipse of a standard deviation in plan, drawn `px_per_m` times as large.

@@ -162,8 +162,8 @@ std::string geometry_section(const ReportInput& input, const ReportSummary& s) {
   html += "<div class=\"pair\">\n";
   if (s.overlap.columns > 0)
     html += "<figure class=\"map\">" + overlap_map(s.overlap, s.unit) +
-            "<figcaption>Images that see each place. Below 3 a point is hardly checked by others; 5 and more are "
-            "good.</figcaption></figure>\n";
+            "<figcaption>Images that see each point of the ground. Below 3 a point is hardly checked by others; 5 and "
+            "more are good.</figcaption></figure>\n";
   html += "<figure>" + rays_chart(s.residuals) +
           "<figcaption>Tie points by the number of images that see them.</figcaption></figure>\n";
   return html + "</div></section>\n";

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "collinea/report/finding_words.h"
+#include "collinea/report/internal/counted.h"
 
 namespace collinea {
 namespace {
@@ -22,9 +23,7 @@ std::string axes_text(const AxisRms& rms, const std::string& unit) {
   return text;
 }
 
-std::string points(int count, const char* kind) {
-  return fmt::format("{} {} point{}", count, kind, count == 1 ? "" : "s");
-}
+std::string points(int count, const char* kind) { return counted(count, std::string(kind) + " point"); }
 
 std::string statement_of(const ReportInput& input, const ReportSummary& s) {
   if (s.check.points > 0)
@@ -38,17 +37,16 @@ std::string statement_of(const ReportInput& input, const ReportSummary& s) {
         points(s.control.points, "control"), axes_text(s.control, s.unit));
   if (input.georeferenced && s.position.points > 0)
     return fmt::format(
-        "Place and scale come from the satellite positions of the cameras alone; these fit to {} (root mean square of "
-        "{} "
-        "images). An error common to all positions stays unseen: there is no check point.",
-        axes_text(s.position, s.unit), s.position.points);
+        "Position and scale come from the satellite positions of the cameras alone; these fit to {} (root mean square "
+        "of {}). An error common to all positions stays unseen: there is no check point.",
+        axes_text(s.position, s.unit), counted(s.position.points, "image"));
   if (input.metric && !input.georeferenced)
     return fmt::format(
-        "The block has no location on Earth; its scale comes from {} measurement{} on the ground. Nothing independent "
+        "The block has no location on Earth; its scale comes from {} on the ground. Nothing independent "
         "verifies the accuracy: measure a distance that is only compared (role check).",
-        std::count_if(input.geodetic.begin(), input.geodetic.end(),
-                      [](const GeodeticDifference& one) { return one.used; }),
-        input.geodetic.size() == 1 ? "" : "s");
+        counted(std::count_if(input.geodetic.begin(), input.geodetic.end(),
+                              [](const GeodeticDifference& one) { return one.used; }),
+                "measurement"));
   if (!input.georeferenced)
     return "The block has neither location nor scale on Earth: lengths are in units of the model. Add control points, "
            "image positions or at least a distance to make it a survey.";
@@ -77,7 +75,7 @@ void add_cautions(const ReportInput& input, ReportSummary& s) {
                     beyond, beyond == 1 ? "" : "s", beyond == 1 ? "s" : ""));
 }
 
-// Left out already because it could not be read: it is told with that reason.
+// Left out already because it could not be read: it is reported with that reason.
 bool skipped(const ReportInput& input, const std::string& file) {
   return std::any_of(input.skipped.begin(), input.skipped.end(), [&](const Finding& one) {
     const Subject& subject = one.subjects.at(0);

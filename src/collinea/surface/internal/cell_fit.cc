@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kUse = 1.5;                // points up to here take part in the fit [cells]
 constexpr double kSteepest = 1.5;           // rise per run that still is one surface
-const double kAside = 1 / std::sqrt(12.0);  // standard deviation of a place that is known to a pixel [cells]
+const double kAside = 1 / std::sqrt(12.0);  // standard deviation of a position that is known to a pixel [cells]
 
 double distance2(const CellPoint& p) { return p.x * p.x + p.y * p.y; }
 

@@ -17,7 +17,7 @@ struct CellPoint {
 
 struct CellEstimate {
   double height_m = 0;  ///< at the centre of the cell
-  double sigma_m = 0;   ///< from the points' sigmas and scatter, and from their place on a slope
+  double sigma_m = 0;   ///< from the points' sigmas and scatter, and from their position on a slope
   int points = 0;       ///< that took part
 };
 

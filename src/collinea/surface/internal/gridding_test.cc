@@ -19,7 +19,7 @@ namespace {
 
 constexpr float kSigma = 0.02f;
 
-// Points at random places over [from, to)^2 cells, on a surface over (column, row).
+// Points at random positions over [from, to)^2 cells, on a surface over (column, row).
 std::vector<GridPoint> sprinkle(double from, double to, double per_cell,
                                 const std::function<double(double, double)>& height_m, double noise_m = 0) {
   Random random(3);
@@ -32,7 +32,7 @@ std::vector<GridPoint> sprinkle(double from, double to, double per_cell,
   return points;
 }
 
-// Four points in each cell, one in each quarter at a random place.
+// Four points in each cell, one in each quarter at a random position.
 std::vector<GridPoint> spread(const std::function<double(double, double)>& height_m) {
   Random random(6);
   std::vector<GridPoint> points;

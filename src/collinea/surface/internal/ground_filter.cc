@@ -31,9 +31,9 @@ struct Largest {
   float operator()(float a, float b) const { return std::max(a, b); }
 };
 
-// Along a line of `count` places, `step` values apart, with `lanes` values side by side at each: the best of the 2 r +
-// 1 places around each (van Herk 1992: every window is the end of one block and the beginning of the next, and both are
-// known from running along the blocks once each way). `out` may be `in`.
+// Along a line of `count` positions, `step` values apart, with `lanes` values side by side at each: the best of the 2 r
+// + 1 positions around each (van Herk 1992: every window is the end of one block and the beginning of the next, and
+// both are known from running along the blocks once each way). `out` may be `in`.
 template <class Best>
 void best_along(const float* in, std::size_t step, int count, int lanes, int r, float* out,
                 std::vector<float>& buffer) {
@@ -113,7 +113,7 @@ class GivingBack {
   }
 
  private:
-  // Finds the patch around a place.
+  // Finds the patch around a position.
   bool is_ground(int x, int y) {
     patch_.assign(1, {x, y});
     visited_.at(x, y) = 1;

@@ -24,7 +24,7 @@ struct SurfaceFiles {
 /// and dsm_sigma_relative.tif (which says nothing without dsm_sigma.tif).
 [[nodiscard]] SurfaceFiles with_sigmas_beside(const std::filesystem::path& height);
 
-/// A height at a place; NaN: nothing there.
+/// A height at a position; NaN: nothing there.
 struct HeightSample {
   double height_m = std::numeric_limits<double>::quiet_NaN(), sigma_m = height_m, sigma_relative_m = height_m;
 };
@@ -43,7 +43,7 @@ class HeightSamples {
   [[nodiscard]] Result<FloatImage> sigmas(int column, int row, int width, int height) const;
   [[nodiscard]] Result<FloatImage> relative_sigmas(int column, int row, int width, int height) const;
   /// At a point of the map: bilinear between the middles of cells, that of the nearest cell in the outer half of the
-  /// border's; nothing where one of the four cells has none. Places in order of rows are read fastest.
+  /// border's; nothing where one of the four cells has none. Positions in order of rows are read fastest.
   Result<HeightSample> at(const Eigen::Vector2d& on_map);
 
  private:

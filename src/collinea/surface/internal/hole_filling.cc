@@ -224,7 +224,7 @@ void HoleFilling::find_holes() {
   for (std::size_t i = 0; i < lines.data.size(); ++i) shut_in_.data[i] = lines.data[i] >= 3;
   fill_enclosures(solid_, widest, shut_in_);
   shut_in_ = majority(shut_in_, 1);
-  // Teeth and islands before a bay of the outline throw rays into it, as broad as they are.
+  // Boundary artefacts and isolated components before a bay of the outline throw rays into it, as broad as they are.
   const Mask broad = opened(either(solid_, shut_in_), kRayReach);
   for (std::size_t i = 0; i < broad.data.size(); ++i) shut_in_.data[i] &= broad.data[i];
   // What is left within areas that are filled goes with them.

@@ -28,7 +28,7 @@ class HoleFilling {
   static constexpr int kRim = 3;      ///< margin of the tiles for add(): measured cells so near to a hole are its rim
   static constexpr int kMargin = 48;  ///< of the windows for filled(), a multiple of kBlock
 
-  /// `extent`: of the whole model. `widest_cells`: widest hole; 0: none are filled.
+  /// Column, row, width and height: extent of the whole model [cells]. `widest_cells`: widest hole; 0: none are filled.
   HoleFilling(std::int64_t column, std::int64_t row, std::int64_t width, std::int64_t height, double cell_m,
               int widest_cells);
 

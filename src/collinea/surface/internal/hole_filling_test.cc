@@ -145,7 +145,7 @@ TEST(HoleFilling, BesideAHighWallAWideHoleIsNoRamp) {
   }
 }
 
-// What is left of it: no more than in half of the places.
+// What is left of it: no more than in half of the cells.
 TEST(HoleFilling, BesideAWallAsHighAsTheHoleIsWideRampsAreTheSmallerPart) {
   constexpr int kWidth = 20;
   int ramps = 0;
@@ -198,7 +198,8 @@ TEST(HoleFilling, IsolatedComponentsInAwideHoleMakeNoStars) {
   EXPECT_LT(cells(tile, CellState::kInterpolated), 1000u);  // of 73,000
 }
 
-// A bay of the outline is shut in along one line or two; each island in it shuts in something along two lines more.
+// A bay of the outline is shut in along one line or two; each isolated component in it shuts in something along two
+// lines more.
 TEST(HoleFilling, IsolatedComponentsInAbayThrowNoRays) {
   const auto into_bay = [](int x, int y) { return x - 60 - std::abs(y - 110); };
   const auto bay = [&](int x, int y) {

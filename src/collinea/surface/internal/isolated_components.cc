@@ -15,9 +15,9 @@ static_assert((IsolatedComponents::kBlock & (IsolatedComponents::kBlock - 1)) ==
 
 constexpr std::uint64_t kShare = 100;  // a part with less than 1 / kShare of the largest one's points is small
 constexpr double kAlmostAll = 0.9;
-constexpr int kFarthestBlocks = 64;      // farther away nothing tells anything of an island
+constexpr int kFarthestBlocks = 64;      // farther away nothing tells anything of an isolated component
 constexpr int kAroundBlocks = 16;        // beyond the nearest of what is around
-constexpr double kLowest = 0.05;         // quantile of the heights around; 1 - kLowest of the island's own
+constexpr double kLowest = 0.05;         // quantile of the heights around; 1 - kLowest of the component's own
 constexpr double kShallowestCells = 10;  // what is less deep may be rough ground
 
 }  // namespace
@@ -97,7 +97,7 @@ bool IsolatedComponents::is_sunken(const Part& part, const std::vector<Part>& pa
     left = std::min(left, index.second), right = std::max(right, index.second);
     own.push_back(block_at(index)->mean_m());
   }
-  // blocks of larger parts by their distance from the island's rectangle
+  // blocks of larger parts by their distance from the component's rectangle
   std::vector<std::pair<std::int64_t, double>> around;
   std::int64_t nearest = kFarthestBlocks;
   for (std::int64_t row = top - kFarthestBlocks; row <= bottom + kFarthestBlocks; ++row)

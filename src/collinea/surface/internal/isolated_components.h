@@ -13,16 +13,16 @@
 
 namespace collinea {
 
-/// Small parts of a cloud that lie apart from the rest, and far below all of it or told by two images alone: mirror
-/// images in water and glass, repeated patterns that several images take for the same wrong place, and what two images
-/// make of waves and leaves at the rim of a block. Looked for in blocks of kBlock x kBlock cells.
+/// Small parts of a cloud that lie apart from the rest, and far below all of it or seen by two images alone: mirror
+/// images in water and glass, repeated patterns that several images take for the same wrong position, and what two
+/// images make of waves and leaves at the rim of a block. Looked for in blocks of kBlock x kBlock cells.
 ///
 /// A part (blocks with at least kFewest points, 8 neighbours) with less than a hundredth of the points of the largest
 /// one goes when
 /// - its top lies deeper below the lowest of what is around it than that is away: the ground would have to fall by more
 ///   than 45 degrees all the way. A courtyard between roofs stays, since there is other ground as low around; so do
 ///   roofs without ground;
-/// - or only two images tell it, while more tell most of the largest part: a wrong match of two images is the same in
+/// - or only two images see it, while more see most of the largest part: a wrong match of two images is the same in
 ///   both, and there is no surface that it joins.
 class IsolatedComponents {
  public:
@@ -30,13 +30,14 @@ class IsolatedComponents {
   static constexpr int kFewest = 16;
 
   void add(std::span<const GridPoint> points);
-  /// To be called once all points are there; keeps of them only which blocks are islands. Returns how many points lie
+  /// To be called once all points are there; keeps of them only which blocks are isolated. Returns how many points lie
   /// on these.
   std::uint64_t find(double cell_m);
   [[nodiscard]] bool holds(const GridPoint& point) const;
   /// The points of a window, whole blocks of it, are not there any more.
   void forget(const CellWindow& window);
-  /// Once islands are found: the outermost cells with points that lie on none, all included. There must be some.
+  /// Once isolated components are found: the outermost cells with points that lie on none, all included. There must be
+  /// some.
   struct Bounds {
     std::int64_t west, north, east, south;
   };
@@ -46,7 +47,7 @@ class IsolatedComponents {
   using BlockIndex = std::pair<std::int64_t, std::int64_t>;  // row and column of a block
   struct Block {
     double sum_m = 0;                                                 // of heights
-    std::uint32_t points = 0, of_two = 0;                             // the second: told by two images alone
+    std::uint32_t points = 0, of_two = 0;                             // the second: seen by two images alone
     std::uint8_t west = kBlock, north = kBlock, east = 0, south = 0;  // cells with points, within the block
     std::int32_t part : 31 = -1;
     std::uint32_t removed : 1 = 0;
@@ -66,7 +67,7 @@ class IsolatedComponents {
   [[nodiscard]] const Block* block_at(const BlockIndex& index) const;  // null: no points there
   [[nodiscard]] Block* block_at(const BlockIndex& index);
   template <class Visit>
-  void each_block(Visit&& visit);  // that has points: visit(place, block)
+  void each_block(Visit&& visit);  // that has points: visit(index, block)
   [[nodiscard]] std::vector<Part> parts();
   [[nodiscard]] bool is_sunken(const Part& part, const std::vector<Part>& parts, double cell_m) const;
 

@@ -11,7 +11,7 @@ namespace collinea {
 namespace {
 
 constexpr int kLattice = 48;         // steps along the longer side: several for each image of a large block
-constexpr std::size_t kNearest = 8;  // places
+constexpr std::size_t kNearest = 8;  // positions
 
 double variance_at(std::span<const PositionSigma> position_sigmas, double x, double y, double least2_m2,
                    std::vector<std::pair<double, std::size_t>>& by_distance) {

@@ -14,8 +14,8 @@ struct PositionSigma {
   double x = 0, y = 0, sigma_m = 0;
 };
 
-/// The same everywhere: between the places by their variances, each weighted with 1 / distance^2; the nearest eight
-/// count. That is taken on a lattice over a raster and bilinear in between. Without places it is zero.
+/// The same everywhere: between the positions by their variances, each weighted with 1 / distance^2; the nearest eight
+/// count. That is taken on a lattice over a raster and bilinear in between. Without positions it is zero.
 class OrientationSigma {
  public:
   OrientationSigma(std::span<const PositionSigma> position_sigmas, const CellWindow& raster, double cell_m);

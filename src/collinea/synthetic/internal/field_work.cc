@@ -63,7 +63,7 @@ std::vector<Sighting> sightings(const Truth& truth, const Mark& mark, double mar
   return list;
 }
 
-// Farthest-point sampling: starts at the place farthest from the middle, goes on with the place farthest from all
+// Farthest-point sampling: starts at the position farthest from the middle, goes on with the position farthest from all
 // chosen.
 std::vector<std::size_t> spread(const std::vector<Eigen::Vector3d>& positions, std::size_t count) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
@@ -170,7 +170,7 @@ Result<> add_marks(Truth& truth, const std::vector<Mark>& candidates, const Mark
   std::vector<std::vector<Sighting>> seen(candidates.size());
   parallel_for(run, candidates.size(),
                [&](std::size_t i) { seen[i] = sightings(truth, candidates[i], options.margin_px); });
-  if (run.stopped()) return fail(Errc::kCancelled, "choosing places for survey marks was stopped");
+  if (run.stopped()) return fail(Errc::kCancelled, "choosing positions for survey marks was stopped");
   std::vector<std::size_t> usable;
   std::vector<Eigen::Vector3d> positions;
   for (std::size_t i = 0; i < candidates.size(); ++i)
@@ -180,7 +180,7 @@ Result<> add_marks(Truth& truth, const std::vector<Mark>& candidates, const Mark
     }
   if (int(usable.size()) < wanted)
     return fail(Errc::kBadInput,
-                fmt::format("{} survey marks are wanted, but only {} open places are seen in {} images", wanted,
+                fmt::format("{} survey marks are wanted, but only {} open positions are seen in {} images", wanted,
                             usable.size(), options.least_images));
   int number = 0;
   for (std::size_t index : spread(positions, std::size_t(wanted))) {

@@ -15,9 +15,9 @@ class Heightfield {
   /// At least 2 x 2 nodes.
   Heightfield(double west_m, double south_m, double cell_m, int width, int height, std::vector<float> heights_m);
 
-  /// The height at a place; outside the grid that of the nearest place inside.
+  /// The height at a position; outside the grid that of the nearest position inside.
   [[nodiscard]] double height(double x, double y) const;
-  /// The upward unit normal at a place inside.
+  /// The upward unit normal at a position inside.
   [[nodiscard]] Eigen::Vector3d normal(double x, double y) const;
 
   /// The first parameter t in [start, end] where origin + t direction is on or below the surface; the part of the line

@@ -23,7 +23,7 @@ TEST(Heightfield, IsBilinearBetweenItsNodes) {
   EXPECT_DOUBLE_EQ(field.height(12, 20), 3);
   EXPECT_DOUBLE_EQ(field.height(10, 22), 5);
   EXPECT_DOUBLE_EQ(field.height(11, 21), 5);  // the mean of the corners
-  EXPECT_DOUBLE_EQ(field.height(50, 20), 3);  // beyond the grid: the nearest place
+  EXPECT_DOUBLE_EQ(field.height(50, 20), 3);  // beyond the grid: the nearest position
 }
 
 // Coordinates of about 20 m in double: rounding of a quadratic's root leaves 1e-13 or so; 1e-9 leaves room for grazing

@@ -35,7 +35,7 @@ struct Mark {
   double half_size_m = 0.2;
 };
 
-/// The reflectance of the ground at a place, averaged over about `footprint_m`.
+/// The reflectance of the ground at a point, averaged over about `footprint_m`.
 [[nodiscard]] Colour ground_albedo(const Ground& ground, double x, double y, double footprint_m);
 
 /// The reflectance of a face of a body at a point on it.

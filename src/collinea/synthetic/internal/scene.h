@@ -52,7 +52,7 @@ class Scene {
   [[nodiscard]] bool in_sun(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const;
 
   [[nodiscard]] double terrain_height(double x, double y) const { return terrain_.height(x, y); }
-  /// The highest surface over a place: what a digital surface model should show.
+  /// The highest surface over a position: what a digital surface model should show.
   [[nodiscard]] double surface_height(double x, double y) const;
 
   /// Reflectance at a hit, averaged over about `footprint_m`.

@@ -42,7 +42,7 @@ struct SolidHit {
 /// The outward unit normal of a face at a point on it.
 [[nodiscard]] Eigen::Vector3d normal_of(const Solid& solid, int face, const Eigen::Vector3d& point);
 
-/// The height of the body's upper face over a place; nothing beside it.
+/// The height of the body's upper face over a position; nothing beside it.
 [[nodiscard]] std::optional<double> top_at(const Solid& solid, double x, double y);
 
 /// Coordinates on a face for its texture [m]: along the wall and up, or along the ridge and down the slope.

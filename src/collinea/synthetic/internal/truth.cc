@@ -48,10 +48,11 @@ std::optional<Hit> show(const Scene& scene, const View& view, const Eigen::Vecto
 struct Candidate {
   Eigen::Vector3d point;
   Colour albedo;
-  std::vector<std::pair<std::size_t, Eigen::Vector2d>> pixels;  // index of the view, exact place
+  std::vector<std::pair<std::size_t, Eigen::Vector2d>> pixels;  // index of the view, exact position
 };
 
-// A place that `from` shows; of the other images that show it, each finds it with the chance `found_share`.
+// A point of the surface that `from` shows; of the other images that show it, each finds it with the chance
+// `found_share`.
 Candidate sample(const Scene& scene, const std::vector<View>& views, std::size_t from, double found_share,
                  Random& random) {
   const View& view = views[from];

@@ -73,7 +73,8 @@ struct ObservationOptions {
 };
 
 /// The block of the truth with tie points and observations, without images: surface points, found in two images or
-/// more, at their exact places; their image points exactly projected plus normal noise. Nothing of matching takes part.
+/// more, at their exact positions; their image points exactly projected plus normal noise. Nothing of matching takes
+/// part.
 [[nodiscard]] Result<Block> observations_only(const Truth& truth, const ObservationOptions& options, const Run& run);
 
 }  // namespace collinea
