@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "collinea/base/result.h"
 #include "collinea/block/geodetic.h"
 
 namespace collinea {
@@ -79,6 +80,24 @@ static_assert(
       return true;
     }(),
     "the traits stand in the order of the groups");
+
+/// The group of a coordinate of what a source gives: `axis` as in ObservationGroupTraits. Not of geodetic observations,
+/// whose groups are of their kinds.
+[[nodiscard]] constexpr ObservationGroup group_of(ObservationSource source, int axis) {
+  if (source == ObservationSource::kGeodetic) bug("the group of a geodetic observation is that of its kind");
+  for (const ObservationGroupTraits& its : kObservationGroupTraits)
+    if (its.source == source && axis >= its.first_axis && axis < its.first_axis + its.axes) return its.group;
+  bug("a coordinate without a group");
+}
+
+static_assert(
+    [] {
+      for (const ObservationGroupTraits& its : kObservationGroupTraits)
+        for (int axis = its.first_axis; axis < its.first_axis + its.axes; ++axis)
+          if (its.source != ObservationSource::kGeodetic && group_of(its.source, axis) != its.group) return false;
+      return true;
+    }(),
+    "a coordinate is of one group");
 
 /// Angles, in [rad].
 [[nodiscard]] constexpr bool is_angle(ObservationGroup group) { return traits_of(group).is_angle; }

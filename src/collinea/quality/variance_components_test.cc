@@ -60,6 +60,38 @@ TEST(VarianceComponents, AGroupWithoutRedundancyKeepsItsSigmas) {
   EXPECT_EQ(found->sigma[3], 0);
 }
 
+// By the traits of the groups, each with a factor of its own.
+TEST(VarianceComponents, SigmasOfACoordinateAreMultipliedByTheFactorOfItsGroup) {
+  Block block =
+      test_block({.rows = 2, .columns = 2, .points = 9, .sigma_px = 0.5, .position_sigma_m = 0.05, .control = 4});
+  ASSERT_FALSE(block.control_observations.empty());
+  for (std::size_t kind = 0; kind < kGeodeticKinds; ++kind)
+    block.geodetic.push_back({.kind = static_cast<GeodeticKind>(kind), .sigma = 0.1});
+  SigmaFactors factors;
+  for (std::size_t g = 0; g < kObservationGroups; ++g) factors[g] = 2 + double(g);
+  const auto factor = [&](ObservationGroup group) { return factors[static_cast<std::size_t>(group)]; };
+  const Block scaled = with_sigmas(block, factors);
+
+  const auto px = [&](const auto& before, const auto& after, ObservationGroup group) {
+    for (std::size_t i = 0; i < before.size(); ++i)
+      EXPECT_EQ(after[i].sigma_px, before[i].sigma_px * factor(group)) << "group " << int(group);
+  };
+  px(block.observations, scaled.observations, ObservationGroup::kTieImages);
+  px(block.control_observations, scaled.control_observations, ObservationGroup::kControlImages);
+  for (const ObservationGroupTraits& its : kObservationGroupTraits)
+    for (int axis = its.first_axis; axis < its.first_axis + its.axes; ++axis) {
+      if (its.source == ObservationSource::kControlCoordinates)
+        for (const auto& [id, control] : block.control)
+          if (control.role == ControlRole::kControl)
+            EXPECT_EQ(scaled.control.at(id).sigma_m[axis], control.sigma_m[axis] * factor(its.group));
+      if (its.source == ObservationSource::kPosition)
+        for (const auto& [id, image] : block.images)
+          EXPECT_EQ(scaled.images.at(id).position->sigma_m[axis], image.position->sigma_m[axis] * factor(its.group));
+    }
+  for (std::size_t kind = 0; kind < kGeodeticKinds; ++kind)
+    EXPECT_EQ(scaled.geodetic[kind].sigma, 0.1 * factor(group_of(static_cast<GeodeticKind>(kind))));
+}
+
 TEST(VarianceComponents, CheckPointsKeepTheirSigmas) {
   const Block block = test_block({.rows = 2, .columns = 3, .points = 20, .sigma_px = 0.5, .control = 6});
   const Block scaled = with_sigmas(block, {1, 1, 3, 3, 1, 1});
