@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "collinea/base/result.h"
 #include "collinea/block/geodetic.h"
@@ -88,6 +89,14 @@ static_assert(
   for (const ObservationGroupTraits& its : kObservationGroupTraits)
     if (its.source == source && axis >= its.first_axis && axis < its.first_axis + its.axes) return its.group;
   bug("a coordinate without a group");
+}
+
+/// The groups of a source, in their order.
+[[nodiscard]] inline std::vector<ObservationGroup> groups_of(ObservationSource source) {
+  std::vector<ObservationGroup> groups;
+  for (const ObservationGroupTraits& its : kObservationGroupTraits)
+    if (its.source == source) groups.push_back(its.group);
+  return groups;
 }
 
 static_assert(

@@ -168,7 +168,7 @@ class Examiner {
       const double w = given.inverse_sigma[axis];
       if (!(w > 0)) continue;
       TestedObservation one;
-      one.group = axis < 2 ? ObservationGroup::kControlPlan : ObservationGroup::kControlHeight;
+      one.group = group_of(ObservationSource::kControlCoordinates, axis);
       one.source = point.id;
       one.axis = axis;
       one.residual = -weighted[axis] / (w * w);
@@ -231,7 +231,8 @@ class Examiner {
         all.add(Kind::squared(problem_, state_, item), static_cast<int>(given));
     });
     if (!(all.weighted() > 0)) return;
-    for (const ObservationGroup group : Kind::kGroups) sums(group).squares *= all.squares() / all.weighted();
+    for (const ObservationGroup group : groups_of(Kind::kGivenBy))
+      sums(group).squares *= all.squares() / all.weighted();
   }
 
   void take_vertical(const GivenUp& given) {
