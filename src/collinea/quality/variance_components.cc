@@ -31,6 +31,20 @@ SigmaFactors as_given() {
   return factors;
 }
 
+std::map<std::string, double> factors_by_word(const SigmaFactors& factors) {
+  std::map<std::string, double> by_word;
+  for (const Word<ObservationGroup>& one : kObservationGroupWords)
+    if (const double factor = factor_of(factors, one.value); factor != 1) by_word.emplace(one.word, factor);
+  return by_word;
+}
+
+SigmaFactors factors_of(const std::map<std::string, double>& by_word) {
+  SigmaFactors factors = as_given();
+  for (const auto& [word, factor] : by_word)
+    if (const auto group = from_word<ObservationGroup>(word)) factors[static_cast<std::size_t>(*group)] = factor;
+  return factors;
+}
+
 Block with_sigmas(const Block& block, const SigmaFactors& factors) {
   Block scaled = block;
   const double of_tie = factor_of(factors, group_of(ObservationSource::kTieImagePoint, 0)),

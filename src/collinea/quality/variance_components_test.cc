@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
+#include <string>
 
 #include "collinea/quality/internal/test_examine.h"
 
@@ -90,6 +92,19 @@ TEST(VarianceComponents, SigmasOfACoordinateAreMultipliedByTheFactorOfItsGroup) 
     }
   for (std::size_t kind = 0; kind < kGeodeticKinds; ++kind)
     EXPECT_EQ(scaled.geodetic[kind].sigma, 0.1 * factor(group_of(static_cast<GeodeticKind>(kind))));
+}
+
+TEST(VarianceComponents, FactorsAreKeptByTheWordsOfTheirGroups) {
+  SigmaFactors factors = as_given();
+  EXPECT_TRUE(factors_by_word(factors).empty());
+  factors[static_cast<std::size_t>(ObservationGroup::kControlHeight)] = 2.5;
+  EXPECT_EQ(factors_by_word(factors), (std::map<std::string, double>{{"control_height", 2.5}}));
+  for (std::size_t g = 0; g < kObservationGroups; ++g) factors[g] = 2 + double(g) / 3;
+  std::map<std::string, double> by_word = factors_by_word(factors);
+  EXPECT_EQ(by_word.size(), kObservationGroups);
+  EXPECT_EQ(factors_of(by_word), factors);
+  by_word["of no group"] = 7;
+  EXPECT_EQ(factors_of(by_word), factors);
 }
 
 TEST(VarianceComponents, CheckPointsKeepTheirSigmas) {
