@@ -38,12 +38,6 @@ double sigma0_of_tests(const Adjusted& adjusted, const TestOptions& options) {
   return options.sigma0_known ? 1 : std::max(sigma_scale(adjusted), 1e-12);
 }
 
-Measurements all_measurements(const Block& block, const AdjustScope& scope) {
-  Measurements all{block, scope};
-  for (const auto& [id, camera] : block.cameras) all.scope.first_cameras.try_emplace(id, camera);
-  return all;
-}
-
 Round first_round(Measurements all, int most, const Run& run) {
   if (!all.scope.use_control) return {.after = {.measurements = std::move(all)}};
   Round round;
@@ -135,7 +129,7 @@ Result<Snooped> snoop(const Block& block, const AdjustScope& scope, const Examin
   Adjuster adjuster;
   Snooped out;
   Experience known;
-  Round round = first_round(all_measurements(block, scope), most, run);
+  Round round = first_round({block, with_first_cameras(scope, block.cameras)}, most, run);
   for (;;) {
     Measurements& left = round.after.measurements;
     Result<Examined> adjusted = adjust_to_the_end(adjuster, left, asked, run, out.rounds);

@@ -68,8 +68,7 @@ Result<VarianceComponents> estimate_variance_components(const Block& block, cons
                                                         const ExamineOptions& options, const Run& run) {
   ExamineOptions asked = options;
   asked.reliability = true;
-  AdjustScope around = scope;  // the weak observations stay those of the beginning
-  for (const auto& [id, camera] : block.cameras) around.first_cameras.try_emplace(id, camera);
+  AdjustScope around = with_first_cameras(scope, block.cameras);
   VarianceComponents found;
   found.factors = as_given();
   Block scaled = block;
