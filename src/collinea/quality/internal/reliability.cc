@@ -50,6 +50,9 @@ class Examiner {
     out_.false_alarm = options.false_alarm;
     out_.power = options.power;
     out_.sigma0_known = options.sigma0_known;
+    // sigma0 as it is estimated however small it is, not sigma_scale(), which is 1 where observations agree to
+    // rounding: tau compares residuals with each other, and one that stands out of rounding is a gross error all the
+    // same.
     const bool known = options.sigma0_known || adjusted.redundancy < 1;
     sigma0_ = known ? 1 : std::max(adjusted.sigma0, 1e-12);
     out_.limit = known ? normal_limit(options.false_alarm) : tau_limit(options.false_alarm, adjusted.redundancy);
