@@ -33,7 +33,7 @@ enum class ObservationGroup {
   kAttitudeLevel,
   kAttitudeHeading,
 };
-inline constexpr std::size_t kObservationGroups = 15;
+inline constexpr std::size_t kObservationGroups = static_cast<std::size_t>(ObservationGroup::kAttitudeHeading) + 1;
 
 /// Where an observation is given, and by what it is found there.
 enum class ObservationSource : std::uint8_t {
@@ -78,13 +78,8 @@ inline constexpr std::array<ObservationGroupTraits, kObservationGroups> kObserva
   return kObservationGroupTraits[static_cast<std::size_t>(group)];
 }
 
-static_assert(
-    [] {
-      for (std::size_t g = 0; g < kObservationGroups; ++g)
-        if (kObservationGroupTraits[g].group != static_cast<ObservationGroup>(g)) return false;
-      return true;
-    }(),
-    "the traits stand in the order of the groups");
+static_assert(is_in_order(kObservationGroupTraits, kObservationGroups, &ObservationGroupTraits::group),
+              "the traits stand in the order of the groups");
 
 inline constexpr std::array<Word<ObservationGroup>, kObservationGroups> kObservationGroupWords = [] {
   std::array<Word<ObservationGroup>, kObservationGroups> table{};

@@ -46,5 +46,16 @@ TEST(WordOr, DescriptionsOfOptionsListTheWords) {
   EXPECT_EQ(choices[1].meaning, "the plane of the border");
 }
 
+TEST(Words, ATableIsInOrderWhereEveryValueHasItsRow) {
+  struct Row {
+    Floor floor;
+  };
+  constexpr Row kWhole[] = {{Floor::kNone}, {Floor::kRim}}, kSwapped[] = {{Floor::kRim}, {Floor::kNone}};
+  EXPECT_TRUE(is_in_order(kWhole, 2, &Row::floor));
+  EXPECT_FALSE(is_in_order(kWhole, 1, &Row::floor));
+  EXPECT_FALSE(is_in_order(kWhole, 3, &Row::floor));
+  EXPECT_FALSE(is_in_order(kSwapped, 2, &Row::floor));
+}
+
 }  // namespace
 }  // namespace collinea
