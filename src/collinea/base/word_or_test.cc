@@ -36,6 +36,19 @@ TEST(WordOr, KeepsTheTextAsGiven) {
   EXPECT_FALSE(FloorLevelOrFile("2") == FloorLevelOrFile("2.0"));
 }
 
+TEST(WordOr, ThreeNumbersArePartedByCommas) {
+  using FloorOrOffset = WordOr<Floor, ThreeNumbers, std::string>;
+  EXPECT_EQ(*FloorOrOffset("0.02,-0.05,-19e-2").get<ThreeNumbers>(), (ThreeNumbers{0.02, -0.05, -0.19}));
+  EXPECT_EQ(*FloorOrOffset(" 1, 2,  3").get<ThreeNumbers>(), (ThreeNumbers{1, 2, 3}));
+  EXPECT_EQ(FloorOrOffset("rim").word(), Floor::kRim);
+  for (const char* text : {"", "1", "1,2", "1,2,", "1,2,3,4", "1,2,3 ", "1 ,2,3", "1;2;3", "1,2,inf", "nan,1,2",
+                           "+1,2,3", "1,2,1e999", "x,y,z"}) {
+    EXPECT_EQ(FloorOrOffset(text).get<ThreeNumbers>(), nullptr) << text;
+    ASSERT_NE(FloorOrOffset(text).get<std::string>(), nullptr) << text;
+  }
+  EXPECT_EQ(FloorOrOffset().word(), Floor::kNone);
+}
+
 TEST(WordOr, DescriptionsOfOptionsListTheWords) {
   struct Options {
     FloorLevelOrFile base = Floor::kRim;

@@ -62,6 +62,8 @@ json value_of(const T& value, const Block& block) {
     return number(value);
   } else if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) {
     return value;
+  } else if constexpr (detail::kIsWordOr<T>) {
+    return value.text();
   } else if constexpr (Worded<T>) {
     return std::string(word_of(value));
   } else if constexpr (is_id<T>) {
