@@ -14,6 +14,11 @@ using Matrix7 = Eigen::Matrix<double, 7, 7>;
 using Matrix37 = Eigen::Matrix<double, 3, 7>;
 using Row7 = Eigen::Matrix<double, 1, 7>;
 
+/// A motion is not seen where its eigenvalue is at most this part of the largest one, in the sum of g' g of derivatives
+/// g by motion_of(): 3e-5 in angle or relative scale. That is geometry alone, whatever the sigmas are. By it the datum
+/// finds what is not determined of a part of the block, and tie points tell whether they can stand for it.
+inline constexpr double kSeenMotion = 1e-9;
+
 /// The projection centre of an image.
 [[nodiscard]] inline Eigen::Vector3d centre_in(const State& state, std::size_t image) {
   return Eigen::Map<const Eigen::Vector3d>(state.frames[image].data() + 9);

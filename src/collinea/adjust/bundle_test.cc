@@ -297,5 +297,16 @@ TEST(Adjust, LonelyRaysAndImagesAreLeftOut) {
   EXPECT_EQ(adjusted->observations.size(), expected);
 }
 
+TEST(AdjustScope, FirstCamerasThatAreNamedStayAndTheOthersAreThoseOfNow) {
+  AdjustScope scope;
+  scope.first_cameras[{1}].name = "given";
+  Camera named, other;
+  named.name = other.name = "now";
+  scope = with_first_cameras(scope, {{{1}, named}, {{2}, other}});
+  ASSERT_EQ(scope.first_cameras.size(), 2u);
+  EXPECT_EQ(scope.first_cameras.at({1}).name, "given");
+  EXPECT_EQ(scope.first_cameras.at({2}).name, "now");
+}
+
 }  // namespace
 }  // namespace collinea

@@ -5,8 +5,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
+#include <stdexcept>
 #include <typeinfo>
+#include <vector>
 
 #include "collinea/adjust/gather.h"
 #include "collinea/adjust/internal/step.h"
@@ -86,6 +89,18 @@ TEST(ObservationKinds, RowsAreAsManyAsTheObservations) {
       bundle::for_each_row<Kind>(problem, gathered->start, [&](const auto&, int, const auto&) { ++rows; });
   });
   EXPECT_EQ(rows, problem.observation_count);
+}
+
+TEST(ObservationGroups, AreThoseOfTheirSourcesAndAxes) {
+  for (const ObservationGroupTraits& its : kObservationGroupTraits) {
+    const std::vector<ObservationGroup> groups = groups_of(its.source);
+    EXPECT_EQ(std::count(groups.begin(), groups.end(), its.group), 1) << int(its.group);
+    if (its.source == ObservationSource::kGeodetic) continue;
+    for (int axis = its.first_axis; axis < its.first_axis + its.axes; ++axis)
+      EXPECT_EQ(group_of(its.source, axis), its.group) << int(its.group);
+  }
+  EXPECT_THROW(static_cast<void>(group_of(ObservationSource::kTieImagePoint, 2)), std::logic_error);
+  EXPECT_THROW(static_cast<void>(group_of(ObservationSource::kGeodetic, 0)), std::logic_error);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "collinea/app/flags.h"
+#include "collinea/steps/step_list.h"
 
 namespace collinea {
 
@@ -14,7 +15,7 @@ inline constexpr const char* kSeedHelp = "of everything random: same seed, same 
 Command run_command();
 Command import_command();
 /// detect, match, orient, densify, surface, ortho, report: the same command for every step after import.
-Command step_command(const std::string& step, const std::string& summary);
+Command step_command(Step step, const std::string& summary);
 Command info_command();
 Command adjust_command();
 Command export_command();
@@ -32,14 +33,14 @@ Command rectify_command();
   return {
       run_command(),
       import_command(),
-      step_command("detect", "find features (SIFT) in every image"),
-      step_command("match", "match features between images and verify them"),
-      step_command("orient", "find poses, cameras and tie points; adjust them with GNSS and control"),
-      step_command("densify", "depth maps and fused point cloud"),
-      step_command("surface", "digital surface model (GeoTIFF)"),
-      step_command("terrain", "digital terrain model and contours (GeoTIFF, GeoPackage, DXF)"),
-      step_command("ortho", "orthophoto (Cloud-Optimised GeoTIFF)"),
-      step_command("report", "quality report (HTML and JSON)"),
+      step_command(Step::kDetect, "find features (SIFT) in every image"),
+      step_command(Step::kMatch, "match features between images and verify them"),
+      step_command(Step::kOrient, "find poses, cameras and tie points; adjust them with GNSS and control"),
+      step_command(Step::kDensify, "depth maps and fused point cloud"),
+      step_command(Step::kSurface, "digital surface model (GeoTIFF)"),
+      step_command(Step::kTerrain, "digital terrain model and contours (GeoTIFF, GeoPackage, DXF)"),
+      step_command(Step::kOrtho, "orthophoto (Cloud-Optimised GeoTIFF)"),
+      step_command(Step::kReport, "quality report (HTML and JSON)"),
       info_command(),
       adjust_command(),
       export_command(),

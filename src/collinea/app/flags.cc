@@ -43,6 +43,10 @@ std::string value_name_of(PathKind kind) {
   }
 }
 
+std::string with_unit(std::string_view help, std::string_view unit) {
+  return std::string(help) + (unit.empty() || unit == "1" ? "" : " [" + std::string(unit) + "]");
+}
+
 std::string flag_of(const OptionName& option) {
   return spelled_as_flag(option.name) + (option.value.empty() ? "" : " " + option.value);
 }
@@ -69,9 +73,7 @@ Given Flags::finished(CLI::Option* option) {
 
 template <class T>
 Given Flags::add_value(std::string_view name, T& value, std::string_view unit, std::string_view help) {
-  std::string text(help);
-  if (!unit.empty() && unit != "1") text += " [" + std::string(unit) + "]";
-  auto* option = app_.add_option(new_flag(name), value, text);
+  auto* option = app_.add_option(new_flag(name), value, with_unit(help, unit));
   if constexpr (requires { value.has_value(); }) {
     if (value) option->capture_default_str();
   } else {

@@ -98,6 +98,8 @@ class Flags {
 };
 
 [[nodiscard]] std::string value_name_of(PathKind kind);
+/// "largest distance [px]".
+[[nodiscard]] std::string with_unit(std::string_view help, std::string_view unit);
 
 template <class Owner, class T>
 Given Flags::add_field(const Field<Owner, T>& field, Owner& owner) {
@@ -130,7 +132,7 @@ Given Flags::add_field(const Field<Owner, T>& field, Owner& owner) {
       value = Value(given);
       return true;
     };
-    return add_text(field.name, field.help, std::move(text));
+    return add_text(field.name, with_unit(field.help, field.unit), std::move(text));
   } else if constexpr (std::is_same_v<Value, std::filesystem::path>) {
     return add_text(field.name, field.help, {value_name_of(field.path), {}, {}, [&value](const std::string& path) {
                                                if constexpr (kIsOptional) {

@@ -16,8 +16,11 @@ struct Asked {
   ConsoleOptions console;
 };
 
-Result<std::string> run_until(Asked& asked, const std::string& last, Console& console) {
-  COLLINEA_TRY(check_step_name(last).map_error([](Error error) { return std::move(error).about("until"_option); }));
+Result<Step> last_step(const Asked& asked) {
+  return step_named(asked.until).map_error([](Error error) { return std::move(error).about("until"_option); });
+}
+
+Result<std::string> run_until(Asked& asked, Step last, Console& console) {
   std::error_code error;
   asked.settings.photos = std::filesystem::absolute(asked.photos, error).lexically_normal().string();
   make_paths_absolute(asked.settings);
@@ -43,7 +46,10 @@ Command run_command() {
           flags.add_group(options, group, [](const char*, const auto&, const Given&) {});
         });
       },
-      [](Asked& asked, Console& console) { return run_until(asked, asked.until, console); });
+      [](Asked& asked, Console& console) -> Result<std::string> {
+        COLLINEA_TRY(const Step last, last_step(asked));
+        return run_until(asked, last, console);
+      });
 }
 
 Command import_command() {
@@ -56,7 +62,7 @@ Command import_command() {
         flags.add_all(asked.console, "run");
         flags.add_all(asked.settings.import, "import");
       },
-      [](Asked& asked, Console& console) { return run_until(asked, "import", console); });
+      [](Asked& asked, Console& console) { return run_until(asked, Step::kImport, console); });
 }
 
 }  // namespace collinea

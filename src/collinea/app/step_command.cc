@@ -48,7 +48,7 @@ void apply_flags(Asked& asked, Settings& settings) {
   });
 }
 
-Result<std::string> run_step(Asked& asked, const std::string& step, Console& console) {
+Result<std::string> run_step(Asked& asked, Step step, Console& console) {
   COLLINEA_TRY(Settings settings, read_settings(asked.project));
   apply_flags(asked, settings);
   COLLINEA_TRY(Project project, create_project(asked.project, settings, console.run()));
@@ -59,10 +59,10 @@ Result<std::string> run_step(Asked& asked, const std::string& step, Console& con
 
 }  // namespace
 
-Command step_command(const std::string& step, const std::string& summary) {
+Command step_command(Step step, const std::string& summary) {
   return console_command<Asked>(
-      step, summary + "; earlier steps are done first where they are missing",
-      [step](Flags& flags, Asked& asked) { declare(step, flags, asked); },
+      std::string(word_of(step)), summary + "; earlier steps are done first where they are missing",
+      [step](Flags& flags, Asked& asked) { declare(std::string(word_of(step)), flags, asked); },
       [step](Asked& asked, Console& console) { return run_step(asked, step, console); });
 }
 

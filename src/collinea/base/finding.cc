@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include "collinea/base/words.h"
+
 namespace collinea {
 namespace {
 
@@ -277,18 +279,11 @@ constexpr RemedyRow kRemedies[] = {
     {R::kSeeAdjustment, "see_adjustment"},
 };
 
-// A row stands where its enumerator counts to.
-template <class Row, std::size_t Size, class Of>
-constexpr bool in_order(const Row (&rows)[Size], std::size_t count, Of&& of) {
-  for (std::size_t i = 0; i < Size; ++i)
-    if (static_cast<std::size_t>(of(rows[i])) != i) return false;
-  return Size == count;
-}
-static_assert(in_order(kCodes, kFindingCodes, [](const CodeRow& row) { return row.code; }));
-static_assert(in_order(kFigures, kFigureNames, [](const FigureRow& row) { return row.name; }));
-static_assert(in_order(kKinds, kSubjectKinds, [](const KindRow& row) { return row.kind; }));
-static_assert(in_order(kAspects, kAspectsOfSubjects, [](const AspectRow& row) { return row.aspect; }));
-static_assert(in_order(kRemedies, kRemedyCodes, [](const RemedyRow& row) { return row.code; }));
+static_assert(is_in_order(kCodes, kFindingCodes, &CodeRow::code));
+static_assert(is_in_order(kFigures, kFigureNames, &FigureRow::name));
+static_assert(is_in_order(kKinds, kSubjectKinds, &KindRow::kind));
+static_assert(is_in_order(kAspects, kAspectsOfSubjects, &AspectRow::aspect));
+static_assert(is_in_order(kRemedies, kRemedyCodes, &RemedyRow::code));
 
 // The row of an enumerator; the last one for a number that is none, which damaged files may hold.
 template <class Row, std::size_t Size, class Enum>

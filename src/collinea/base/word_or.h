@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <concepts>
 #include <filesystem>
 #include <optional>
@@ -16,7 +17,12 @@ namespace collinea {
 /// The finite number that the whole text is, in any locale; a plus sign in front is allowed.
 [[nodiscard]] std::optional<double> number_in(std::string_view text);
 
-/// The value of an option that is a word of an enumeration, or a number, or else the path of a file or other text:
+/// Three finite numbers parted by commas, as "0.02,-0.05, -0.19": spaces may stand before each, and nothing else.
+using ThreeNumbers = std::array<double, 3>;
+[[nodiscard]] std::optional<ThreeNumbers> three_numbers_in(std::string_view text);
+
+/// The value of an option that is a word of an enumeration, or a number (or three of them), or else the path of a file
+/// or other text:
 ///
 ///     WordOr<VolumeBase, double, std::filesystem::path> base = VolumeBase::kRim;
 ///     base = "310.5";                                       // base.get<double>()
@@ -30,6 +36,7 @@ class WordOr {
   static_assert(std::same_as<Last, std::filesystem::path> || std::same_as<Last, std::string>);
 
  public:
+  WordOr() : WordOr(Enum{}) {}  ///< the word of the enumeration's 0
   WordOr(Enum word) : text_(word_of(word)), value_(word) {}
   template <std::convertible_to<std::string_view> Text>
   WordOr(const Text& text) : text_(std::string_view(text)), value_(read(text_)) {}
@@ -56,6 +63,8 @@ class WordOr {
     if (const auto word = from_word<Enum>(text)) return *word;
     if constexpr ((std::same_as<Other, double> || ...))
       if (const auto number = number_in(text)) return *number;
+    if constexpr ((std::same_as<Other, ThreeNumbers> || ...))
+      if (const auto numbers = three_numbers_in(text)) return *numbers;
     return Last(text);
   }
 

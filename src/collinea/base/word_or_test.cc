@@ -36,6 +36,19 @@ TEST(WordOr, KeepsTheTextAsGiven) {
   EXPECT_FALSE(FloorLevelOrFile("2") == FloorLevelOrFile("2.0"));
 }
 
+TEST(WordOr, ThreeNumbersArePartedByCommas) {
+  using FloorOrOffset = WordOr<Floor, ThreeNumbers, std::string>;
+  EXPECT_EQ(*FloorOrOffset("0.02,-0.05,-19e-2").get<ThreeNumbers>(), (ThreeNumbers{0.02, -0.05, -0.19}));
+  EXPECT_EQ(*FloorOrOffset(" 1, 2,  3").get<ThreeNumbers>(), (ThreeNumbers{1, 2, 3}));
+  EXPECT_EQ(FloorOrOffset("rim").word(), Floor::kRim);
+  for (const char* text : {"", "1", "1,2", "1,2,", "1,2,3,4", "1,2,3 ", "1 ,2,3", "1;2;3", "1,2,inf", "nan,1,2",
+                           "+1,2,3", "1,2,1e999", "x,y,z"}) {
+    EXPECT_EQ(FloorOrOffset(text).get<ThreeNumbers>(), nullptr) << text;
+    ASSERT_NE(FloorOrOffset(text).get<std::string>(), nullptr) << text;
+  }
+  EXPECT_EQ(FloorOrOffset().word(), Floor::kNone);
+}
+
 TEST(WordOr, DescriptionsOfOptionsListTheWords) {
   struct Options {
     FloorLevelOrFile base = Floor::kRim;
@@ -44,6 +57,17 @@ TEST(WordOr, DescriptionsOfOptionsListTheWords) {
   ASSERT_EQ(choices.size(), 2u);
   EXPECT_EQ(choices[1].word, "rim");
   EXPECT_EQ(choices[1].meaning, "the plane of the border");
+}
+
+TEST(Words, ATableIsInOrderWhereEveryValueHasItsRow) {
+  struct Row {
+    Floor floor;
+  };
+  constexpr Row kWhole[] = {{Floor::kNone}, {Floor::kRim}}, kSwapped[] = {{Floor::kRim}, {Floor::kNone}};
+  EXPECT_TRUE(is_in_order(kWhole, 2, &Row::floor));
+  EXPECT_FALSE(is_in_order(kWhole, 1, &Row::floor));
+  EXPECT_FALSE(is_in_order(kWhole, 3, &Row::floor));
+  EXPECT_FALSE(is_in_order(kSwapped, 2, &Row::floor));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <string>
@@ -44,6 +45,17 @@ template <Worded Enum>
   for (const auto& entry : words(Enum{}))
     if (entry.word == word) return entry.value;
   return std::nullopt;
+}
+
+/// Whether a table has a row for each of the `count` values of an enumeration, in their order, so that a value is the
+/// index of its row. `member` of a row is the value that it is of.
+template <class Rows, class Enum, class Row>
+[[nodiscard]] constexpr bool is_in_order(const Rows& rows, std::size_t count, Enum Row::*member) {
+  if (std::size(rows) != count) return false;
+  std::size_t i = 0;
+  for (const Row& row : rows)
+    if (row.*member != static_cast<Enum>(i++)) return false;
+  return true;
 }
 
 /// The words of a table alone, in its order.

@@ -15,9 +15,19 @@ inline constexpr Word<PositionShift> kPositionShiftWords[] = {{PositionShift::kN
                                                               {PositionShift::kStrips, "strips", "one of each strip"}};
 [[nodiscard]] constexpr std::span<const Word<PositionShift>> words(PositionShift) { return kPositionShiftWords; }
 
+/// What there may be in place of the three coordinates of a lever arm.
+enum class LeverArmWord { kNone, kEstimate };
+inline constexpr Word<LeverArmWord> kLeverArmWords[] = {{LeverArmWord::kNone, "none"},
+                                                        {LeverArmWord::kEstimate, "estimate"}};
+[[nodiscard]] constexpr std::span<const Word<LeverArmWord>> words(LeverArmWord) { return kLeverArmWords; }
+
+/// The antenna from the projection centre, in the camera: right, down, forward [m]. A text that is neither is refused
+/// by check_instruments(), but for an empty one, which is none.
+using LeverArmOption = WordOr<LeverArmWord, ThreeNumbers, std::string>;
+
 /// What receivers and inertial systems measure, and what of their mounting is to be found.
 struct InstrumentOptions {
-  std::optional<std::string> lever_arm;
+  std::optional<LeverArmOption> lever_arm;
   PositionShift position_shift = PositionShift::kNone;
   bool position_drift = false;
   bool time_offset = false;

@@ -38,7 +38,7 @@ INSTANTIATE_TEST_SUITE_P(WithAndWithoutInstruments, AdjustFileRoundTrip, testing
 TEST_P(AdjustFileRoundTrip, WhatAProjectExportsGivesTheSameAdjustment) {
   const TestFolder folder;
   auto project = open_small_survey(folder / "block");
-  ASSERT_TRUE(project && bring_up_to(*project, "orient"));
+  ASSERT_TRUE(project && bring_up_to(*project, Step::kOrient));
   const auto file = folder / "block.txt";
   AdjustProjectOptions options;
   if (GetParam()) {
@@ -264,7 +264,7 @@ TEST(AdjustFile, AdditionalParametersAreTestedAndKept) {
   survey.images = 14;
   survey.control_points = 8;
   auto project = open_simulated(folder / "block", survey, {.points_per_image = 150, .wrong_share = 0});
-  ASSERT_TRUE(project && bring_up_to(*project, "orient"));
+  ASSERT_TRUE(project && bring_up_to(*project, Step::kOrient));
   const AdjustProjectOptions asked{.additional = AdditionalSet::kEbner, .additional_fixed = "a3"};
   const auto adjusted = adjust_project(*project, asked);
   ASSERT_TRUE(adjusted) << adjusted.error().message;

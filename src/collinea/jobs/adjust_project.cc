@@ -73,9 +73,7 @@ ExamineOptions options_of(const AdjustProjectOptions& asked, Calibration calibra
 
 // What orientation found control to be worth, and where it moved the positions.
 void judge_as_orient_did(const OrientationRecord& orientation, bool shift_positions, Block& block, const Run& run) {
-  SigmaFactors factors = as_given();
-  std::copy_n(orientation.sigma_factors.begin(), std::min(factors.size(), orientation.sigma_factors.size()),
-              factors.begin());
+  const SigmaFactors factors = factors_of(orientation.sigma_factors);
   block = with_sigmas(block, factors);
   const Eigen::Vector3d shift_m = shift_positions ? orientation.position_shift_m : Eigen::Vector3d(0, 0, 0);
   if (!shift_m.isZero())

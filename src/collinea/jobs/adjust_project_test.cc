@@ -26,7 +26,7 @@ TEST(AdjustProject, WritesReportAndTablesAndLeavesTheProjectAsItIs) {
   const auto early = adjust_project(*project, {});
   ASSERT_FALSE(early);
   EXPECT_EQ(early.error().code, Errc::kNotFound);
-  ASSERT_TRUE(bring_up_to(*project, "orient"));
+  ASSERT_TRUE(bring_up_to(*project, Step::kOrient));
   const Block before = *project->store.read_block();
 
   for (const bool components : {false, true}) {
@@ -55,7 +55,7 @@ TEST(AdjustProject, WritesReportAndTablesAndLeavesTheProjectAsItIs) {
 TEST(AdjustProject, SnoopingTakesOutWhatIsWrongInAProject) {
   const TestFolder folder;
   auto project = open_small_survey(folder / "block");
-  ASSERT_TRUE(project && bring_up_to(*project, "orient"));
+  ASSERT_TRUE(project && bring_up_to(*project, Step::kOrient));
   const auto report_of = [&](bool snoop) {
     const auto done = adjust_project(*project, {.loss = Loss::kNone, .snoop = snoop});
     EXPECT_TRUE(done) << done.error().message;
@@ -98,7 +98,7 @@ TEST(AdjustProject, RefusesOptionsOutOfRange) {
   SurveyOptions survey;
   survey.images = 6;
   auto project = open_simulated(folder / "block", survey, {.points_per_image = 80});
-  ASSERT_TRUE(project && bring_up_to(*project, "orient"));
+  ASSERT_TRUE(project && bring_up_to(*project, Step::kOrient));
   const auto done = adjust_project(*project, {.tests = {.folds = 1}});
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, Errc::kBadInput);

@@ -34,7 +34,7 @@ class GivenOrientationTest : public ::testing::Test {
     survey.control_points = 4;
     ASSERT_TRUE(simulate_project(survey, {.points_per_image = 120}, folder_ / "block", {}));
     Project project = opened(folder_ / "block");
-    const auto done = bring_up_to(project, "orient");
+    const auto done = bring_up_to(project, Step::kOrient);
     ASSERT_TRUE(done) << done.error().message;
     block_ = *project.store.read_block();
     for (const ExportFormat format : {ExportFormat::kColmap, ExportFormat::kBundler, ExportFormat::kOpk})
@@ -44,7 +44,7 @@ class GivenOrientationTest : public ::testing::Test {
   Block oriented_from(const std::filesystem::path& given) {
     Project project =
         opened(folder_ / "block", [&](Settings& settings) { settings.orient.orientation = given.string(); });
-    const auto done = bring_up_to(project, "orient");
+    const auto done = bring_up_to(project, Step::kOrient);
     EXPECT_TRUE(done) << done.error().message;
     const auto record = project.store.read_outcome<OrientationRecord>();
     EXPECT_TRUE(record && record->findings.front().subjects == std::vector{Subject::file(given.string())});

@@ -34,7 +34,7 @@ class OrientStepTest : public testing::Test {
   }
   void orient() {
     ASSERT_TRUE(project_->store.write_setup(setup_));
-    const auto done = bring_up_to(*project_, "orient");
+    const auto done = bring_up_to(*project_, Step::kOrient);
     ASSERT_TRUE(done) << done.error().message;
   }
   [[nodiscard]] OrientationRecord record() const {
@@ -222,7 +222,7 @@ TEST_F(InstrumentsTest, WhatTheImagesDoNotSayIsRefusedBeforeAnyWork) {
   for (auto& [id, image] : setup_.images) image.taken.clear();
   ASSERT_TRUE(project_->store.write_setup(setup_));
   project_->settings.orient.instruments.time_offset = true;
-  const auto done = bring_up_to(*project_, "orient");
+  const auto done = bring_up_to(*project_, Step::kOrient);
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, Errc::kBadInput);
   project_->settings.orient.instruments = {.position_drift = true};  // of no shift

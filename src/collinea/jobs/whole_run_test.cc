@@ -44,7 +44,7 @@ const std::vector<std::string> kProducts = {
 
 class WholeProject : public SmallProject {
  public:
-  void SetUp() override { map("report"); }
+  void SetUp() override { map(Step::kReport); }
 
   void every_image_is_oriented_and_every_product_there();
   void projection_centres_are_where_they_were();
@@ -173,7 +173,7 @@ void WholeProject::a_compressed_cloud_gives_the_same_surface() {
     Settings changed = settings();
     changed.densify.cloud = form;
     Log log;
-    ASSERT_TRUE(bring(root_ / "compressed", changed, log, "terrain"));
+    ASSERT_TRUE(bring(root_ / "compressed", changed, log, Step::kTerrain));
     EXPECT_FALSE(fs::exists(products / earlier));  // that of the earlier setting is not left beside
     EXPECT_LT(5 * fs::file_size(products / name), fs::file_size(root_ / "mapped/products/cloud.las")) << word_of(form);
     for (const char* product : {"dsm.tif", "dtm.tif"})
@@ -187,7 +187,7 @@ void WholeProject::a_compressed_cloud_gives_the_same_surface() {
 
 void WholeProject::what_is_up_to_date_is_not_done_again() {
   Log log;
-  ASSERT_TRUE(bring(root_ / "mapped", settings(), log, "report"));
+  ASSERT_TRUE(bring(root_ / "mapped", settings(), log, Step::kReport));
   EXPECT_TRUE(log.steps_done().empty());
 }
 
@@ -195,7 +195,7 @@ void WholeProject::a_lost_cloud_comes_back_with_its_classes() {
   const fs::path project = copy("lost");
   fs::remove(project / "products/cloud.las");
   Log log;
-  ASSERT_TRUE(bring(project, settings(), log, "report"));
+  ASSERT_TRUE(bring(project, settings(), log, Step::kReport));
   EXPECT_EQ(log.steps_done(), (std::vector<std::string>{"densify", "terrain"}));
   EXPECT_TRUE(bytes_of(project / "products/cloud.las") == bytes_of(root_ / "mapped/products/cloud.las"));
 }
@@ -204,7 +204,7 @@ void WholeProject::a_changed_option_redoes_its_step_and_what_follows() {
   Settings changed = settings();
   changed.surface.cell_m = 1;
   Log log;
-  ASSERT_TRUE(bring(copy("option"), changed, log, "report"));
+  ASSERT_TRUE(bring(copy("option"), changed, log, Step::kReport));
   EXPECT_EQ(log.steps_done(), (std::vector<std::string>{"surface", "terrain", "ortho", "report"}));
 }
 
@@ -224,14 +224,14 @@ void WholeProject::options_of_fusion_leave_depth_maps_alone_and_others_do_not() 
   fs::remove_all(anew / "depth");
   const auto times = times_of_depth_maps(kept);
   Log log;
-  ASSERT_TRUE(bring(kept, changed, log, "densify"));
+  ASSERT_TRUE(bring(kept, changed, log, Step::kDensify));
   EXPECT_EQ(log.steps_done(), std::vector<std::string>{"densify"});
   EXPECT_TRUE(times_of_depth_maps(kept) == times);
-  ASSERT_TRUE(bring(anew, changed, log, "densify"));
+  ASSERT_TRUE(bring(anew, changed, log, Step::kDensify));
   EXPECT_TRUE(bytes_of(kept / "products/cloud.las") == bytes_of(anew / "products/cloud.las"));
   EXPECT_FALSE(bytes_of(kept / "products/cloud.las") == bytes_of(root_ / "mapped/products/cloud.las"));
   changed.densify.min_correlation = 0.6;
-  ASSERT_TRUE(bring(kept, changed, log, "densify"));
+  ASSERT_TRUE(bring(kept, changed, log, Step::kDensify));
   const auto later = times_of_depth_maps(kept);
   for (const auto& [path, time] : times) EXPECT_TRUE(!later.contains(path) || later.at(path) > time) << path;
 }
@@ -241,7 +241,7 @@ void WholeProject::images_that_were_moved_are_only_read_again() {
   changed.photos = (root_ / "moved").string();
   fs::copy(root_ / "images", root_ / "moved");
   Log log;
-  ASSERT_TRUE(bring(copy("with_moved"), changed, log, "report"));
+  ASSERT_TRUE(bring(copy("with_moved"), changed, log, Step::kReport));
   EXPECT_EQ(log.steps_done(), (std::vector<std::string>{"import", "report"}));
 }
 
@@ -250,7 +250,7 @@ void WholeProject::what_stands_in_the_way_of_a_product_is_named() {
   fs::remove(project / "products/cloud.ply");
   fs::create_directories(project / "products/cloud.laz/folder");
   Log log;
-  const auto done = bring(project, settings(), log, "densify");
+  const auto done = bring(project, settings(), log, Step::kDensify);
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, Errc::kBadInput);
   EXPECT_NE(done.error().message.find("cloud.laz"), std::string::npos) << done.error().message;
@@ -262,7 +262,7 @@ void WholeProject::a_changed_control_file_leaves_matching_alone() {
   ASSERT_TRUE(write_file(*changed.import.control, bytes_of(root_ / "control.csv") + "# looked over\n"));
   Log log;
   const fs::path project = copy("control");
-  ASSERT_TRUE(bring(project, changed, log, "orient"));
+  ASSERT_TRUE(bring(project, changed, log, Step::kOrient));
   EXPECT_EQ(log.steps_done(), std::vector<std::string>{"import"});
   log.lines.clear();
   changed.import.control_sigma_px = 0.7;
@@ -271,7 +271,7 @@ void WholeProject::a_changed_control_file_leaves_matching_alone() {
   for (std::string row; std::getline(rows, row);)
     without_sigmas += (row.starts_with("image") ? row.substr(0, row.rfind(',')) : row) + "\n";
   ASSERT_TRUE(write_file(*changed.import.control, without_sigmas));
-  ASSERT_TRUE(bring(project, changed, log, "orient"));
+  ASSERT_TRUE(bring(project, changed, log, Step::kOrient));
   EXPECT_EQ(log.steps_done(), (std::vector<std::string>{"import", "orient"}));
 }
 
@@ -280,7 +280,7 @@ void WholeProject::a_missing_product_is_made_again() {
   const std::string before = bytes_of(project / "products/ortho.tif");
   fs::remove(project / "products/ortho.tif");
   Log log;
-  ASSERT_TRUE(bring(project, settings(), log, "report"));
+  ASSERT_TRUE(bring(project, settings(), log, Step::kReport));
   EXPECT_EQ(log.steps_done(), std::vector<std::string>{"ortho"});
   EXPECT_EQ(bytes_of(project / "products/ortho.tif"), before);
 }
@@ -293,22 +293,22 @@ void WholeProject::given_seamlines_are_followed_and_redo_the_orthophoto_when_the
   Log log;
   // A file that holds none is refused at once and does not stay in the project.
   changed.ortho.seamlines = (project / "project.json").string();
-  ASSERT_FALSE(bring(project, changed, log, "ortho"));
+  ASSERT_FALSE(bring(project, changed, log, Step::kOrtho));
   ASSERT_TRUE(read_settings(project));
   EXPECT_FALSE(read_settings(project)->ortho.seamlines);
   changed.ortho.seamlines = mine.string();
-  ASSERT_TRUE(bring(project, changed, log, "ortho"));
+  ASSERT_TRUE(bring(project, changed, log, Step::kOrtho));
   EXPECT_EQ(log.steps_done(), std::vector<std::string>{"ortho"});
   EXPECT_EQ(bytes_of(project / "products/ortho.tif"), image);
   // No polygon at all: every cell goes to its cheapest view.
   ASSERT_TRUE(write_geopackage(mine, {{"seamlines", VectorKind::kPolygon, {{"photo", VectorType::kText}}, {}, true}},
                                GeoTiffReader::open(project / "products/dsm.tif")->grid().wkt));
-  const auto done = bring(project, changed, log = {}, "ortho");
+  const auto done = bring(project, changed, log = {}, Step::kOrtho);
   ASSERT_TRUE(done) << done.error().message;
   EXPECT_EQ(log.steps_done(), std::vector<std::string>{"ortho"});
   EXPECT_NE(bytes_of(project / "products/ortho.tif"), image);
   fs::remove(mine);
-  const auto missing = bring(project, changed, log, "ortho");
+  const auto missing = bring(project, changed, log, Step::kOrtho);
   ASSERT_FALSE(missing);
   EXPECT_NE(missing.error().message.find("mine.gpkg does not exist"), std::string::npos) << missing.error().message;
 }
@@ -332,20 +332,21 @@ void WholeProject::a_depth_map_that_cannot_be_kept_ends_the_step_and_the_next_ru
   fs::remove(in_the_way);
   fs::create_directories(in_the_way / "folder");
   Log log;
-  const auto failed = bring(project, settings(), log, "densify");
+  const auto failed = bring(project, settings(), log, Step::kDensify);
   ASSERT_FALSE(failed);
   EXPECT_EQ(failed.error().code, Errc::kBadInput);
   EXPECT_NE(failed.error().message.find(in_the_way.filename().string()), std::string::npos) << failed.error().message;
   EXPECT_TRUE(overviews().empty());  // no others were tried
   fs::remove_all(in_the_way);
-  const auto done = bring(project, settings(), log, "terrain");
+  const auto done = bring(project, settings(), log, Step::kTerrain);
   ASSERT_TRUE(done) << done.error().message;
   EXPECT_TRUE(bytes_of(project / "products/cloud.las") == bytes_of(root_ / "mapped/products/cloud.las"));
 }
 
 void WholeProject::stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte() {
   const fs::path folder = root_ / "stopped";
-  for (const std::string& step : step_names()) {
+  for (const Word<Step>& one : kStepWords) {
+    const std::string step(one.word);
     std::stop_source stop;
     Log log;
     collinea::Run run = log.run(2);  // not the one of the test's base class
@@ -355,14 +356,14 @@ void WholeProject::stopped_in_every_step_and_continued_on_two_threads_it_is_the_
     };
     auto project = create_project(folder, settings(), run);
     ASSERT_TRUE(project) << project.error().message;
-    const auto stopped = bring_up_to(*project, "report");
+    const auto stopped = bring_up_to(*project, Step::kReport);
     ASSERT_FALSE(stopped) << step;
     EXPECT_EQ(stopped.error().code, Errc::kCancelled) << step << ": " << stopped.error().message;
     EXPECT_NE(stopped.error().message.find("goes on from here"), std::string::npos) << stopped.error().message;
     EXPECT_FALSE(project->store.read_step(step).value()) << step;
   }
   Log log;
-  ASSERT_TRUE(bring(folder, settings(), log, "report", 2));
+  ASSERT_TRUE(bring(folder, settings(), log, Step::kReport, 2));
   EXPECT_EQ(log.steps_done(), std::vector<std::string>{"report"});
   for (const std::string& product : kProducts)
     EXPECT_TRUE(bytes_of(folder / "products" / product) == bytes_of(root_ / "mapped/products" / product)) << product;
@@ -378,7 +379,7 @@ void WholeProject::files_left_half_written_are_swept_and_others_are_not() {
   }
   ASSERT_TRUE(write_file(project / "download.part", "the user's own"));
   Log log;
-  ASSERT_TRUE(bring(project, settings(), log, "report"));
+  ASSERT_TRUE(bring(project, settings(), log, Step::kReport));
   EXPECT_TRUE(log.steps_done().empty());
   for (const char* file :
        {"products/cloud.las.part123", "products/contours.part.gpkg", "products/contours.part.gpkg-journal",
@@ -407,7 +408,7 @@ void WholeProject::an_image_that_breaks_off_is_named_and_the_rest_goes_on() {
   changed.photos = photos.string();
   changed.pairs.exhaustive_below = 10;  // all with all
   Log log;
-  const auto done = bring(root_ / "without_broken", changed, log, "match");
+  const auto done = bring(root_ / "without_broken", changed, log, Step::kMatch);
   ASSERT_TRUE(done) << done.error().message;
   EXPECT_TRUE(std::any_of(log.lines.begin(), log.lines.end(), [](const std::string& line) {
     return line.starts_with("skipped IMG_0002.jpg: ") && line.find("incomplete") != std::string::npos;
@@ -471,10 +472,10 @@ TEST(Project, AnOrientationThatIsNotThereIsAnErrorBeforeAnythingIsMade) {
 }
 
 TEST(Project, AStepThatDoesNotExistIsNamedBesideThoseThatDo) {
-  const auto known = check_step_name("orthophoto");
+  const auto known = step_named("orthophoto");
   ASSERT_FALSE(known);
   EXPECT_NE(known.error().message.find("surface, terrain, ortho, report"), std::string::npos) << known.error().message;
-  for (const std::string& step : step_names()) EXPECT_TRUE(check_step_name(step)) << step;
+  for (const Word<Step>& step : kStepWords) EXPECT_EQ(step_named(step.word), step.value) << step.word;
 }
 
 }  // namespace

@@ -2,8 +2,6 @@
 #include "collinea/orient/instrument_options.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <limits>
 #include <numbers>
 
@@ -16,23 +14,13 @@ namespace {
 const Eigen::Vector3d kNotKnown = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
 constexpr double kRadians = std::numbers::pi / 180;
 
-Result<LeverArm> lever_arm_of(const std::string& text) {
-  if (text == "estimate") return LeverArm{Eigen::Vector3d::Zero(), kNotKnown};
+// Of one that is given or to be found.
+LeverArm lever_arm_of(const LeverArmOption& asked) {
   LeverArm arm;
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  for (int i = 0; i < 3; ++i) {
-    while (at < end && *at == ' ') ++at;
-    const auto [next, error] = std::from_chars(at, end, arm.antenna_in_cam_m[i]);
-    const bool parted = i == 2 ? next == end : next < end && *next == ',';
-    if (error != std::errc() || !parted || !std::isfinite(arm.antenna_in_cam_m[i]))
-      return fail(Errc::kBadInput,
-                  "lever_arm = \"" + text +
-                      "\": give x,y,z in metres (right, down, forward in the camera), estimate or "
-                      "none",
-                  {"lever_arm"_option});
-    at = next + 1;
-  }
+  if (asked.word() == LeverArmWord::kEstimate)
+    arm = {Eigen::Vector3d::Zero(), kNotKnown};
+  else if (const ThreeNumbers* given = asked.get<ThreeNumbers>())
+    arm.antenna_in_cam_m = Eigen::Map<const Eigen::Vector3d>(given->data());
   return arm;
 }
 
@@ -45,7 +33,7 @@ GivenAttitude attitude_of(const AttitudePrior& prior, const InstrumentOptions& a
 }  // namespace
 
 bool has_lever_arm(const InstrumentOptions& asked) {
-  return asked.lever_arm && !asked.lever_arm->empty() && *asked.lever_arm != "none";
+  return asked.lever_arm && !asked.lever_arm->text().empty() && asked.lever_arm->word() != LeverArmWord::kNone;
 }
 
 bool is_of_positions(const InstrumentOptions& asked) {
@@ -54,7 +42,11 @@ bool is_of_positions(const InstrumentOptions& asked) {
 
 Result<> check_instruments(const InstrumentOptions& asked) {
   if (Result<> valid = validate(asked); !valid) return valid;
-  if (has_lever_arm(asked)) COLLINEA_TRY(lever_arm_of(*asked.lever_arm));
+  if (has_lever_arm(asked) && asked.lever_arm->get<std::string>())
+    return fail(Errc::kBadInput,
+                "lever_arm = \"" + asked.lever_arm->text() +
+                    "\": give x,y,z in metres (right, down, forward in the camera), estimate or none",
+                {"lever_arm"_option});
   if (asked.position_drift && asked.position_shift == PositionShift::kNone)
     return fail(Errc::kBadInput, "a drift of positions needs a shift of the block or of its strips",
                 {"position_drift"_option, "position_shift"_option});
@@ -83,7 +75,7 @@ Result<> check_instruments(const InstrumentOptions& asked, const Block& block) {
 Result<> add_instruments(const Block& block, const InstrumentOptions& asked, AdjustScope& scope) {
   if (Result<> valid = check_instruments(asked, block); !valid) return valid;
   if (has_lever_arm(asked)) {
-    COLLINEA_TRY(const LeverArm arm, lever_arm_of(*asked.lever_arm));
+    const LeverArm arm = lever_arm_of(*asked.lever_arm);
     for (const auto& [id, camera] : block.cameras) scope.lever_arms[id] = arm;
   }
   if (asked.position_shift != PositionShift::kNone)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -22,6 +23,7 @@ enum class PlanRule : std::uint8_t {
   kLinesPlan,                  ///< 45 um mb
   kContours,                   ///< on gentle slopes: 0.25 per mille of h
 };
+inline constexpr std::size_t kPlanRules = static_cast<std::size_t>(PlanRule::kContours) + 1;
 
 /// A rule for the design of a survey, beside what the adjustment predicts.
 struct RuleOfThumb {

@@ -34,14 +34,13 @@ struct Experience {
   std::optional<int> rank_defect;  // of the last adjustment that was confirmed
 };
 
+// By what sigmas are multiplied where gross errors are compared with what is left: sigma0 of the tests
+// (reliability_of()), but where observations agree to rounding, as exact ones do once the gross errors are gone. There
+// the tests take what rounding makes of sigma0, and this is 1 as for all reported standard deviations (sigma_scale()):
+// a gross error is then as uncertain as its sigma states, not a billionth of that, by which nothing that went beside
+// others could ever agree again. What goes after such an adjustment gets the cofactor 0 (cofactor_by_others()).
 double sigma0_of_tests(const Adjusted& adjusted, const TestOptions& options) {
   return options.sigma0_known ? 1 : std::max(sigma_scale(adjusted), 1e-12);
-}
-
-Measurements all_measurements(const Block& block, const AdjustScope& scope) {
-  Measurements all{block, scope};
-  for (const auto& [id, camera] : block.cameras) all.scope.first_cameras.try_emplace(id, camera);
-  return all;
 }
 
 Round first_round(Measurements all, int most, const Run& run) {
@@ -135,7 +134,7 @@ Result<Snooped> snoop(const Block& block, const AdjustScope& scope, const Examin
   Adjuster adjuster;
   Snooped out;
   Experience known;
-  Round round = first_round(all_measurements(block, scope), most, run);
+  Round round = first_round({block, with_first_cameras(scope, block.cameras)}, most, run);
   for (;;) {
     Measurements& left = round.after.measurements;
     Result<Examined> adjusted = adjust_to_the_end(adjuster, left, asked, run, out.rounds);

@@ -17,6 +17,12 @@ double factor_of(const SigmaFactors& factors, ObservationGroup group) {
   return factors[static_cast<std::size_t>(group)];
 }
 
+// Standard deviations of three coordinates, each times the factor of its group.
+Eigen::Vector3d multiplied(Eigen::Vector3d sigmas, ObservationSource source, const SigmaFactors& factors) {
+  for (int axis = 0; axis < 3; ++axis) sigmas[axis] *= factor_of(factors, group_of(source, axis));
+  return sigmas;
+}
+
 }  // namespace
 
 SigmaFactors as_given() {
@@ -25,20 +31,33 @@ SigmaFactors as_given() {
   return factors;
 }
 
+std::map<std::string, double> factors_by_word(const SigmaFactors& factors) {
+  std::map<std::string, double> by_word;
+  for (const Word<ObservationGroup>& one : kObservationGroupWords)
+    if (const double factor = factor_of(factors, one.value); factor != 1) by_word.emplace(one.word, factor);
+  return by_word;
+}
+
+SigmaFactors factors_of(const std::map<std::string, double>& by_word) {
+  SigmaFactors factors = as_given();
+  for (const auto& [word, factor] : by_word)
+    if (const auto group = from_word<ObservationGroup>(word)) factors[static_cast<std::size_t>(*group)] = factor;
+  return factors;
+}
+
 Block with_sigmas(const Block& block, const SigmaFactors& factors) {
   Block scaled = block;
-  for (Observation& seen : scaled.observations) seen.sigma_px *= factor_of(factors, ObservationGroup::kTieImages);
-  for (ControlObservation& seen : scaled.control_observations)
-    seen.sigma_px *= factor_of(factors, ObservationGroup::kControlImages);
+  const double of_tie = factor_of(factors, group_of(ObservationSource::kTieImagePoint, 0)),
+               of_control = factor_of(factors, group_of(ObservationSource::kControlImagePoint, 0));
+  for (Observation& seen : scaled.observations) seen.sigma_px *= of_tie;
+  for (ControlObservation& seen : scaled.control_observations) seen.sigma_px *= of_control;
   for (auto& [id, control] : scaled.control) {
     if (control.role != ControlRole::kControl) continue;  // what is only compared tells nothing, and gets no factor
-    control.sigma_m.head<2>() *= factor_of(factors, ObservationGroup::kControlPlan);
-    control.sigma_m.z() *= factor_of(factors, ObservationGroup::kControlHeight);
+    control.sigma_m = multiplied(control.sigma_m, ObservationSource::kControlCoordinates, factors);
   }
   for (auto& [id, image] : scaled.images) {
     if (!image.position) continue;
-    image.position->sigma_m.head<2>() *= factor_of(factors, ObservationGroup::kPositionPlan);
-    image.position->sigma_m.z() *= factor_of(factors, ObservationGroup::kPositionHeight);
+    image.position->sigma_m = multiplied(image.position->sigma_m, ObservationSource::kPosition, factors);
   }
   for (GeodeticObservation& measured : scaled.geodetic)
     if (measured.role == ControlRole::kControl) measured.sigma *= factor_of(factors, group_of(measured.kind));
@@ -49,17 +68,13 @@ Result<VarianceComponents> estimate_variance_components(const Block& block, cons
                                                         const ExamineOptions& options, const Run& run) {
   ExamineOptions asked = options;
   asked.reliability = true;
-  AdjustScope around = scope;  // the pseudo-observations stay those of the beginning
-  for (const auto& [id, camera] : block.cameras) around.first_cameras.try_emplace(id, camera);
+  AdjustScope around = with_first_cameras(scope, block.cameras);  // pseudo-observations stay those of the beginning
   VarianceComponents found;
   found.factors = as_given();
   Block scaled = block;
   for (;; ++found.iterations) {
-    for (auto& [id, attitude] : around.attitudes) {
-      attitude.sigma_rad = scope.attitudes.at(id).sigma_rad;
-      attitude.sigma_rad.head<2>() *= factor_of(found.factors, ObservationGroup::kAttitudeLevel);
-      attitude.sigma_rad.z() *= factor_of(found.factors, ObservationGroup::kAttitudeHeading);
-    }
+    for (auto& [id, attitude] : around.attitudes)
+      attitude.sigma_rad = multiplied(scope.attitudes.at(id).sigma_rad, ObservationSource::kAttitude, found.factors);
     COLLINEA_TRY(found.adjusted, examine(scaled, around, asked, run));
     if (!found.adjusted.reliability)
       return fail(Errc::kIllPosed, "variance components: " + label_of(found.adjusted.undetermined, block));

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <map>
+#include <string>
 
 #include "collinea/quality/examine.h"
 
@@ -11,6 +13,10 @@ namespace collinea {
 using SigmaFactors = std::array<double, kObservationGroups>;
 
 [[nodiscard]] SigmaFactors as_given();  ///< all 1
+
+/// Factors by the words of their groups, those that are 1 left out; and back. Words that name no group are passed over.
+[[nodiscard]] std::map<std::string, double> factors_by_word(const SigmaFactors& factors);
+[[nodiscard]] SigmaFactors factors_of(const std::map<std::string, double>& by_word);
 
 /// The outcome of estimating variance components.
 struct VarianceComponents {

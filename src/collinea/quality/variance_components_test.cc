@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
+#include <string>
 
 #include "collinea/quality/internal/test_examine.h"
 
@@ -58,6 +60,51 @@ TEST(VarianceComponents, AGroupWithoutRedundancyKeepsItsSigmas) {
   EXPECT_NEAR(found->factors[0], 1, 4 * found->sigma[0]);
   EXPECT_LT(4 * found->sigma[0], 0.3);
   EXPECT_EQ(found->sigma[3], 0);
+}
+
+// By the traits of the groups, each with a factor of its own.
+TEST(VarianceComponents, SigmasOfACoordinateAreMultipliedByTheFactorOfItsGroup) {
+  Block block =
+      test_block({.rows = 2, .columns = 2, .points = 9, .sigma_px = 0.5, .position_sigma_m = 0.05, .control = 4});
+  ASSERT_FALSE(block.control_observations.empty());
+  for (std::size_t kind = 0; kind < kGeodeticKinds; ++kind)
+    block.geodetic.push_back({.kind = static_cast<GeodeticKind>(kind), .sigma = 0.1});
+  SigmaFactors factors;
+  for (std::size_t g = 0; g < kObservationGroups; ++g) factors[g] = 2 + double(g);
+  const auto factor = [&](ObservationGroup group) { return factors[static_cast<std::size_t>(group)]; };
+  const Block scaled = with_sigmas(block, factors);
+
+  const auto px = [&](const auto& before, const auto& after, ObservationGroup group) {
+    for (std::size_t i = 0; i < before.size(); ++i)
+      EXPECT_EQ(after[i].sigma_px, before[i].sigma_px * factor(group)) << "group " << int(group);
+  };
+  px(block.observations, scaled.observations, ObservationGroup::kTieImages);
+  px(block.control_observations, scaled.control_observations, ObservationGroup::kControlImages);
+  for (const ObservationGroupTraits& its : kObservationGroupTraits)
+    for (int axis = its.first_axis; axis < its.first_axis + its.axes; ++axis) {
+      if (its.source == ObservationSource::kControlCoordinates)
+        for (const auto& [id, control] : block.control)
+          if (control.role == ControlRole::kControl)
+            EXPECT_EQ(scaled.control.at(id).sigma_m[axis], control.sigma_m[axis] * factor(its.group));
+      if (its.source == ObservationSource::kPosition)
+        for (const auto& [id, image] : block.images)
+          EXPECT_EQ(scaled.images.at(id).position->sigma_m[axis], image.position->sigma_m[axis] * factor(its.group));
+    }
+  for (std::size_t kind = 0; kind < kGeodeticKinds; ++kind)
+    EXPECT_EQ(scaled.geodetic[kind].sigma, 0.1 * factor(group_of(static_cast<GeodeticKind>(kind))));
+}
+
+TEST(VarianceComponents, FactorsAreKeptByTheWordsOfTheirGroups) {
+  SigmaFactors factors = as_given();
+  EXPECT_TRUE(factors_by_word(factors).empty());
+  factors[static_cast<std::size_t>(ObservationGroup::kControlHeight)] = 2.5;
+  EXPECT_EQ(factors_by_word(factors), (std::map<std::string, double>{{"control_height", 2.5}}));
+  for (std::size_t g = 0; g < kObservationGroups; ++g) factors[g] = 2 + double(g) / 3;
+  std::map<std::string, double> by_word = factors_by_word(factors);
+  EXPECT_EQ(by_word.size(), kObservationGroups);
+  EXPECT_EQ(factors_of(by_word), factors);
+  by_word["of no group"] = 7;
+  EXPECT_EQ(factors_of(by_word), factors);
 }
 
 TEST(VarianceComponents, CheckPointsKeepTheirSigmas) {

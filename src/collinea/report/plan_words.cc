@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "collinea/base/words.h"
+
 namespace collinea {
 namespace {
 
@@ -25,11 +27,9 @@ constexpr RuleWords kRules[] = {
     {PlanRule::kContours, "contours on gentle slopes", "0.25 ‰ * h"},
 };
 
-const RuleWords& row_of(PlanRule rule) {
-  const RuleWords* row = kRules;
-  while (row->rule != rule) ++row;
-  return *row;
-}
+static_assert(is_in_order(kRules, kPlanRules, &RuleWords::rule));
+
+const RuleWords& row_of(PlanRule rule) { return kRules[static_cast<std::size_t>(rule)]; }
 
 }  // namespace
 

@@ -5,6 +5,8 @@
 
 #include <locale>
 
+#include "collinea/base/words.h"
+
 namespace collinea {
 namespace {
 
@@ -51,7 +53,7 @@ constexpr ProductRow kProducts[] = {
     {ProductFile::kOrthophotoSource, "products/ortho_source.tif", "Orthophoto, sources", Figures::kNone,
      "index of the leading photograph"},
 };
-static_assert(std::size(kProducts) == kProductFiles);
+static_assert(is_in_order(kProducts, kProductFiles, &ProductRow::product));
 
 const ProductRow& row_of(ProductFile product) { return kProducts[static_cast<std::size_t>(product)]; }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <string_view>
 
+#include "collinea/base/words.h"
 #include "collinea/report/finding_words.h"
 
 namespace collinea {
@@ -75,14 +76,7 @@ constexpr Phrase kPhrases[] = {
      "keep the images of each flight in a folder that is called like the beginning of the file's name"},
     {R::kSeeAdjustment, "see the report of an adjustment for which, and how alike they are"},
 };
-static_assert(std::size(kPhrases) == kRemedyCodes);
-
-constexpr bool in_order() {
-  for (std::size_t i = 0; i < kRemedyCodes; ++i)
-    if (static_cast<std::size_t>(kPhrases[i].code) != i) return false;
-  return true;
-}
-static_assert(in_order());
+static_assert(is_in_order(kPhrases, kRemedyCodes, &Phrase::code));
 
 std::string spelled(const OptionName& option) {
   return "option " + option.name + (option.value.empty() ? "" : " = " + option.value);

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "collinea/base/words.h"
+#include "collinea/quality/variance_components.h"
 #include "collinea/report/internal/finding_json.h"
 #include "collinea/report/json_values.h"
 #include "collinea/store/packed_fields.h"
@@ -28,6 +29,8 @@ template <class Tag>
 std::string name_of(Id<Tag> id, const Block&) {
   return std::to_string(id.value);
 }
+
+std::string name_of(const std::string& word, const Block&) { return word; }
 
 template <class T>
 json value_of(const T& value, const Block& block);
@@ -59,6 +62,8 @@ json value_of(const T& value, const Block& block) {
     return number(value);
   } else if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) {
     return value;
+  } else if constexpr (detail::kIsWordOr<T>) {
+    return value.text();
   } else if constexpr (Worded<T>) {
     return std::string(word_of(value));
   } else if constexpr (is_id<T>) {
@@ -86,6 +91,7 @@ json figures_of_record(const Record& record, const Block& block) {
 json figures_of_record(const OrientationRecord& record, const Block& block) {
   json figures = object_of(record, block);
   figures["gsd_m"] = value_of(record.gsd_m(), block);
+  figures["sigma_factors"] = list_of(factors_of(record.sigma_factors), block);  // of all groups, in their order
   figures["calibration"] = word_of(record.calibration.parameters);
   return figures;
 }

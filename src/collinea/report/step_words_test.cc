@@ -84,8 +84,14 @@ TEST(StepFigures, AreNullWhereNothingIsKnown) {
   record.check_rmse_m = {0.25, std::nullopt, 1.0};
   record.other_parts = {{{1}, {4}}};
   record.control.emplace_back();
+  record.sigma_factors["control_images"] = 2.5;
+  record.instruments.lever_arm = "0,0,0.1";
   const auto figures = figures_of(record, two_images());
   EXPECT_EQ(figures.at("oriented"), 2);
+  EXPECT_EQ(figures.at("sigma_factors").size(), 15u);  // of all groups of observations, in their order
+  EXPECT_EQ(figures.at("sigma_factors")[0], 1.0);
+  EXPECT_EQ(figures.at("sigma_factors")[1], 2.5);
+  EXPECT_EQ(figures.at("instruments").at("lever_arm"), "0,0,0.1");
   EXPECT_TRUE(figures.at("sigma0").is_null());
   EXPECT_TRUE(figures.at("gsd_m").is_null());
   EXPECT_EQ(figures.at("pixel_in_units"), 0.5);

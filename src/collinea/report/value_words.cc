@@ -3,30 +3,40 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <string_view>
+
+#include "collinea/base/words.h"
 
 namespace collinea {
 namespace {
 
-constexpr std::array<std::string_view, kObservationGroups> kGroups = {"tie points in images",
-                                                                      "control in images",
-                                                                      "control, plan",
-                                                                      "control, height",
-                                                                      "positions, plan",
-                                                                      "positions, height",
-                                                                      "distances",
-                                                                      "height differences",
-                                                                      "directions",
-                                                                      "zenith angles",
-                                                                      "equal heights",
-                                                                      "planes",
-                                                                      "lines",
-                                                                      "attitudes, level",
-                                                                      "attitudes, heading"};
+struct GroupWords {
+  ObservationGroup group;
+  std::string_view words;
+};
+
+constexpr GroupWords kGroups[] = {
+    {ObservationGroup::kTieImages, "tie points in images"},
+    {ObservationGroup::kControlImages, "control in images"},
+    {ObservationGroup::kControlPlan, "control, plan"},
+    {ObservationGroup::kControlHeight, "control, height"},
+    {ObservationGroup::kPositionPlan, "positions, plan"},
+    {ObservationGroup::kPositionHeight, "positions, height"},
+    {ObservationGroup::kDistance, "distances"},
+    {ObservationGroup::kHeightDifference, "height differences"},
+    {ObservationGroup::kDirection, "directions"},
+    {ObservationGroup::kZenithAngle, "zenith angles"},
+    {ObservationGroup::kAtHeight, "equal heights"},
+    {ObservationGroup::kOnPlane, "planes"},
+    {ObservationGroup::kOnLine, "lines"},
+    {ObservationGroup::kAttitudeLevel, "attitudes, level"},
+    {ObservationGroup::kAttitudeHeading, "attitudes, heading"},
+};
+static_assert(is_in_order(kGroups, kObservationGroups, &GroupWords::group));
 
 }  // namespace
 
-std::string_view words_of(ObservationGroup group) { return kGroups[static_cast<std::size_t>(group)]; }
+std::string_view words_of(ObservationGroup group) { return kGroups[static_cast<std::size_t>(group)].words; }
 
 std::string_view words_of(Provenance source) {
   switch (source) {
@@ -70,7 +80,7 @@ std::string judgement_words(const SigmaFactors& factors, const Eigen::Vector3d& 
   std::string text;
   for (std::size_t g = 0; g < factors.size(); ++g)
     if (factors[g] != 1)
-      text += fmt::format("{}sigmas of \"{}\" times {:.1f}", text.empty() ? "" : ", ", kGroups[g], factors[g]);
+      text += fmt::format("{}sigmas of \"{}\" times {:.1f}", text.empty() ? "" : ", ", kGroups[g].words, factors[g]);
   if (!position_shift_m.isZero())
     text += fmt::format("{}positions shifted by {:+.2f}, {:+.2f}, {:+.2f} m", text.empty() ? "" : ", ",
                         position_shift_m.x(), position_shift_m.y(), position_shift_m.z());

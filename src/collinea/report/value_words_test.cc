@@ -76,7 +76,7 @@ TEST(PlanWords, GainsAndRulesAreNamed) {
   EXPECT_EQ(words_of(Gain{.by = GainBy::kPositions, .sigma_m = {0.02, 0.02, 0.03}}),
             "projection centres by RTK (20, 20, 30 mm)");
   EXPECT_EQ(words_of(Gain{.by = GainBy::kControlPoint}), "one more control point");
-  for (int i = 0; i <= int(PlanRule::kContours); ++i) {
+  for (std::size_t i = 0; i < kPlanRules; ++i) {
     EXPECT_FALSE(words_of(PlanRule(i)).empty()) << i;
     EXPECT_FALSE(formula_of(PlanRule(i)).empty()) << i;
   }

@@ -25,7 +25,7 @@ Result<Project> detected(const TestFolder& folder) {
   Settings settings;
   settings.photos = (folder / "photos").string();
   COLLINEA_TRY(Project project, create_project(folder / "project", settings, {}));
-  COLLINEA_TRY(bring_up_to(project, "detect"));
+  COLLINEA_TRY(bring_up_to(project, Step::kDetect));
   return project;
 }
 
@@ -73,7 +73,7 @@ TEST(DetectStep, StoppedAndResumedItMakesOnlyWhatIsMissing) {
   settings.photos = (folder / "photos").string();
   const auto detect = [&](const collinea::Run& run) -> Result<> {
     COLLINEA_TRY(Project project, create_project(folder / "project", settings, run));
-    return bring_up_to(project, "detect");
+    return bring_up_to(project, Step::kDetect);
   };
   std::stop_source stop;
   std::vector<std::string> lines;
@@ -128,7 +128,7 @@ TEST(DetectStep, AFullDiskEndsItAtOnce) {
     ASSERT_TRUE(database && database->execute("CREATE TRIGGER full BEFORE INSERT ON features BEGIN "
                                               "SELECT RAISE(FAIL, 'the disk is full'); END"));
   }
-  const auto done = bring_up_to(*project, "detect");
+  const auto done = bring_up_to(*project, Step::kDetect);
   ASSERT_FALSE(done);
   EXPECT_NE(done.error().message.find("the disk is full"), std::string::npos) << done.error().message;
   EXPECT_EQ(reported, 0);

@@ -20,42 +20,45 @@ namespace fs = std::filesystem;
 
 Error stopped() { return Error{Errc::kCancelled, "stopped; the same command goes on from here"}; }
 
-struct Step {
-  const char* name;
+struct StepRow {
+  Step step;
   Result<StepOutput> (*work)(Project&, const std::string& inputs_hash);
-  std::vector<const char*> reads;     ///< earlier steps whose output it uses
+  std::vector<Step> reads;            ///< earlier steps whose output it uses
   std::vector<const char*> products;  ///< files without which it is not done
   bool reads_setup = false;           ///< control, map and position sigmas too: all that import left in the store
   bool reads_sources = false;         ///< what import was given, with the remarks on it
+
+  [[nodiscard]] std::string_view name() const { return word_of(step); }
 };
 
 constexpr const char* kCloud = "products/cloud.*";  // in the form asked for
 
 // The only place that knows the order of work.
-const std::array<Step, 9>& steps() {
-  static const std::array<Step, 9> all = {{
-      {"import", import_step, {}, {}},
-      {"detect", detect_step, {"import"}, {}},
-      {"match", match_step, {"import", "detect"}, {}},
-      {"orient", orient_step, {"import", "match"}, {}, /*reads_setup=*/true},
-      {"densify", densify_step, {"orient"}, {kCloud, "products/cloud.ply"}},
-      {"surface",
+const std::array<StepRow, std::size(kStepWords)>& steps() {
+  static const std::array<StepRow, std::size(kStepWords)> all = {{
+      {Step::kImport, import_step, {}, {}},
+      {Step::kDetect, detect_step, {Step::kImport}, {}},
+      {Step::kMatch, match_step, {Step::kImport, Step::kDetect}, {}},
+      {Step::kOrient, orient_step, {Step::kImport, Step::kMatch}, {}, /*reads_setup=*/true},
+      {Step::kDensify, densify_step, {Step::kOrient}, {kCloud, "products/cloud.ply"}},
+      {Step::kSurface,
        surface_step,
-       {"orient", "densify"},
+       {Step::kOrient, Step::kDensify},
        {"products/dsm.tif", "products/dsm_sigma.tif", "products/dsm_state.tif", "products/dsm_count.tif",
         "products/dsm_sigma_relative.tif", "products/dsm_hillshade.tif"}},
-      {"terrain",
+      {Step::kTerrain,
        terrain_step,
-       {"orient", "surface"},
+       {Step::kOrient, Step::kSurface},
        {"products/dtm.tif", "products/dtm_sigma.tif", "products/dtm_state.tif", "products/dtm_sigma_relative.tif",
         "products/dtm_hillshade.tif"}},
-      {"ortho",
+      {Step::kOrtho,
        ortho_step,
-       {"orient", "surface", "terrain"},
+       {Step::kOrient, Step::kSurface, Step::kTerrain},
        {"products/ortho.tif", "products/ortho_source.tif", "products/seamlines.gpkg"}},
-      {"report",
+      {Step::kReport,
        report_step,
-       {"import", "detect", "match", "orient", "densify", "surface", "terrain", "ortho"},
+       {Step::kImport, Step::kDetect, Step::kMatch, Step::kOrient, Step::kDensify, Step::kSurface, Step::kTerrain,
+        Step::kOrtho},
        {"report/report.html"},
        /*reads_setup=*/true,
        /*reads_sources=*/true},
@@ -63,19 +66,19 @@ const std::array<Step, 9>& steps() {
   return all;
 }
 
-Result<std::string> inputs_hash_of(const Project& project, const Step& step) {
+Result<std::string> inputs_hash_of(const Project& project, const StepRow& step) {
   Hash hash;
-  hash.add(COLLINEA_VERSION).add(step.name).add(options_text(project.settings, step.name));
+  hash.add(COLLINEA_VERSION).add(step.name()).add(options_text(project.settings, std::string(step.name())));
   if (step.reads.empty()) hash.add(fingerprint_of_sources(project.settings.photos, project.settings.import));
-  if (const auto& given = project.settings.orient.orientation; given && step.name == std::string_view("orient"))
+  if (const auto& given = project.settings.orient.orientation; given && step.step == Step::kOrient)
     hash.add(fingerprint_of_orientation(*given));
-  if (const auto& given = project.settings.ortho.seamlines; given && step.name == std::string_view("ortho"))
+  if (const auto& given = project.settings.ortho.seamlines; given && step.step == Step::kOrtho)
     hash.add(std::uint64_t{hash_of_file(*given).value_or(0)});
-  for (const char* earlier : step.reads) {
-    COLLINEA_TRY(const auto record, project.store.read_step(earlier));
+  for (const Step earlier : step.reads) {
+    COLLINEA_TRY(const auto record, project.store.read_step(std::string(word_of(earlier))));
     COLLINEA_CHECK(record.has_value());
     hash.add(record->output_hash);
-    if (step.reads_sources && earlier == std::string_view("import")) hash.add(record->inputs_hash);
+    if (step.reads_sources && earlier == Step::kImport) hash.add(record->inputs_hash);
   }
   if (step.reads_setup) {
     COLLINEA_TRY(const std::uint64_t setup, project.store.setup_hash());
@@ -88,7 +91,7 @@ fs::path product_path(const Project& project, const char* product) {
   return product == std::string_view(kCloud) ? project.cloud() : project.folder / product;
 }
 
-bool products_exist(const Project& project, const Step& step, const StepRecord& record) {
+bool products_exist(const Project& project, const StepRow& step, const StepRecord& record) {
   if (skipped_because(record.outcome)) return true;  // it left no product
   for (const char* product : step.products)
     if (!is_there(product_path(project, product))) return false;
@@ -96,70 +99,63 @@ bool products_exist(const Project& project, const Step& step, const StepRecord& 
 }
 
 // What is recorded of the step. What another version of the program recorded counts as not done.
-Result<std::optional<StepRecord>> earlier_record(Project& project, const Step& step) {
-  auto before = project.store.read_step(step.name);
+Result<std::optional<StepRecord>> earlier_record(Project& project, const StepRow& step) {
+  auto before = project.store.read_step(std::string(step.name()));
   if (before || before.error().code != Errc::kUnsupported) return before;
-  COLLINEA_TRY(project.store.erase_step(step.name));
+  COLLINEA_TRY(project.store.erase_step(std::string(step.name())));
   return std::nullopt;
 }
 
-Result<> do_step(Project& project, const Step& step) {
+Result<> do_step(Project& project, const StepRow& step) {
   COLLINEA_TRY(const std::string inputs_hash, inputs_hash_of(project, step));
   COLLINEA_TRY(const auto before, earlier_record(project, step));
   if (before && before->inputs_hash == inputs_hash && products_exist(project, step, *before)) {
-    project.run.say(fmt::format("{:<8} up to date", step.name));
+    project.run.say(fmt::format("{:<8} up to date", step.name()));
     return {};
   }
-  if (before) COLLINEA_TRY(project.store.erase_step(step.name));
+  if (before) COLLINEA_TRY(project.store.erase_step(std::string(step.name())));
   give_back_freed_memory();  // of the steps before
   const CostMeter cost;
-  project.run.report(step.name, 0);
+  project.run.report(step.name(), 0);
   COLLINEA_TRY(const StepOutput output, step.work(project, inputs_hash).map_error([&](Error error) {
     if (error.code == Errc::kCancelled) error = stopped();
-    return with_advice(std::move(error), project.folder).within(step.name);
+    return with_advice(std::move(error), project.folder).within(step.name());
   }));
-  if (project.run.stopped()) return tl::unexpected(stopped().within(step.name));
-  project.run.report(step.name, 1);
+  if (project.run.stopped()) return tl::unexpected(stopped().within(step.name()));
+  project.run.report(step.name(), 1);
   if (skipped_because(output.outcome))
     for (const char* product : step.products) COLLINEA_TRY(remove_file(product_path(project, product)));
-  COLLINEA_CHECK(step_of(output.outcome) == step.name);
+  COLLINEA_CHECK(step_of(output.outcome) == step.name());
   const StepRecord record{inputs_hash,        output.output_hash,       cost.seconds(),
                           cost.cpu_seconds(), cost.peak_memory_bytes(), output.outcome};
   COLLINEA_TRY(project.store.write_step(record));
-  project.run.say(fmt::format("{:<8} {} ({:.1f} s, {:.1f} CPU-s, {:.0f} MB)", step.name, summary_of(record.outcome),
+  project.run.say(fmt::format("{:<8} {} ({:.1f} s, {:.1f} CPU-s, {:.0f} MB)", step.name(), summary_of(record.outcome),
                               record.seconds, record.cpu_seconds, record.peak_memory_bytes / 1e6));
   return {};
 }
 
 }  // namespace
 
-std::vector<std::string> step_names() {
-  std::vector<std::string> names;
-  for (const Step& step : steps()) names.push_back(step.name);
-  return names;
-}
-
-Result<> check_step_name(const std::string& name) {
+Result<Step> step_named(std::string_view name) {
+  if (const auto step = from_word<Step>(name)) return *step;
   std::string known;
-  for (const Step& step : steps()) {
-    if (name == step.name) return {};
-    known += (known.empty() ? "" : ", ") + std::string(step.name);
-  }
-  return fail(Errc::kBadInput, "no step is called \"" + name + "\": choose one of " + known);
+  for (const Word<Step>& step : kStepWords) known += (known.empty() ? "" : ", ") + std::string(step.word);
+  return fail(Errc::kBadInput, "no step is called \"" + std::string(name) + "\": choose one of " + known);
 }
 
 Result<> record_done(Project& project, const StepOutput& output) {
   const std::string_view name = step_of(output.outcome);
-  const Step& step = *std::find_if(steps().begin(), steps().end(), [&](const Step& s) { return name == s.name; });
+  const StepRow& step =
+      *std::find_if(steps().begin(), steps().end(), [&](const StepRow& s) { return name == word_of(s.step); });
   COLLINEA_TRY(const std::string inputs_hash, inputs_hash_of(project, step));
   return project.store.write_step({inputs_hash, output.output_hash, 0, 0, 0, output.outcome});
 }
 
-Result<> bring_up_to(Project& project, const std::string& last) {
-  COLLINEA_TRY(check_step_name(last));
-  for (const Step& step : steps()) {
+Result<> bring_up_to(Project& project, Step last) {
+  COLLINEA_CHECK(is_in_order(steps(), std::size(kStepWords), &StepRow::step));
+  for (const StepRow& step : steps()) {
     COLLINEA_TRY(do_step(project, step));
-    if (last == step.name) break;
+    if (last == step.step) break;
   }
   return {};
 }

@@ -32,7 +32,7 @@ Result<Project> matched(const TestFolder& folder, const std::string& name, const
   Settings settings;
   settings.photos = (folder / "photos").string();
   COLLINEA_TRY(Project project, create_project(folder / name, settings, run));
-  COLLINEA_TRY(bring_up_to(project, "match"));
+  COLLINEA_TRY(bring_up_to(project, Step::kMatch));
   return project;
 }
 

@@ -26,7 +26,7 @@ TEST(SimulatedProject, IsOrientedWithoutImages) {
   collinea::Run run{.log = [&](std::string_view line) { lines.emplace_back(line); }};
   auto project = open_simulated(folder / "block", survey, {.points_per_image = 120, .wrong_share = 0}, run);
   ASSERT_TRUE(project) << project.error().message;
-  const auto done = bring_up_to(*project, "orient");
+  const auto done = bring_up_to(*project, Step::kOrient);
   ASSERT_TRUE(done) << done.error().message;
   for (const char* step : {"import", "detect", "match"}) {
     const auto up_to_date = [&](const std::string& line) {
@@ -59,16 +59,16 @@ TEST(SimulatedProject, WhatAnotherVersionRecordedIsDoneAgain) {
   survey.images = 8;
   auto project = open_simulated(folder / "block", survey, {.points_per_image = 120, .wrong_share = 0}, {});
   ASSERT_TRUE(project) << project.error().message;
-  ASSERT_TRUE(bring_up_to(*project, "orient"));
+  ASSERT_TRUE(bring_up_to(*project, Step::kOrient));
   auto database = sqlite::Database::open(folder / "block" / "block.db");
   ASSERT_TRUE(database);
   ASSERT_TRUE(database->execute("UPDATE step_records SET record = x'63' WHERE step = 'orient'"));
   EXPECT_EQ(project->store.read_step("orient").error().code, Errc::kUnsupported);
-  const auto done = bring_up_to(*project, "orient");
+  const auto done = bring_up_to(*project, Step::kOrient);
   ASSERT_TRUE(done) << done.error().message;
   EXPECT_EQ(project->store.read_outcome<OrientationRecord>()->oriented, 8u);
   ASSERT_TRUE(database->execute("UPDATE step_records SET record = substr(record, 1, 20) WHERE step = 'orient'"));
-  EXPECT_EQ(bring_up_to(*project, "orient").error().code, Errc::kBadFormat);
+  EXPECT_EQ(bring_up_to(*project, Step::kOrient).error().code, Errc::kBadFormat);
 }
 
 // What was free, and the sigmas of that, are those of the cameras that were calibrated.
@@ -84,7 +84,7 @@ TEST(SimulatedProject, KeepsWhichParametersWereFree) {
       {std::nullopt, Calibration::kBrown, 8}};
   for (const auto& [asked, used, count] : cases) {
     project->settings.orient.calibration = asked;
-    ASSERT_TRUE(bring_up_to(*project, "orient"));
+    ASSERT_TRUE(bring_up_to(*project, Step::kOrient));
     const CalibrationRecord record = project->store.read_outcome<OrientationRecord>()->calibration;
     EXPECT_EQ(record.parameters, used);
     ASSERT_EQ(record.free.size(), count > 0 ? 1u : 0u) << word_of(used);
@@ -110,7 +110,7 @@ TEST(SimulatedProject, OfAFisheyeIsOriented) {
     auto project = open_simulated(folder / "block", survey, {.points_per_image = 150, .wrong_share = 0},
                                   collinea::Run{.threads = 2});
     ASSERT_TRUE(project) << project.error().message;
-    const auto done = bring_up_to(*project, "orient");
+    const auto done = bring_up_to(*project, Step::kOrient);
     ASSERT_TRUE(done) << done.error().message;
     const Block block = *project->store.read_block();
     EXPECT_EQ(count_oriented(block), 16u);

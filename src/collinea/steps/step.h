@@ -4,6 +4,7 @@
 #include <string>
 
 #include "collinea/project/project.h"
+#include "collinea/steps/step_list.h"
 
 namespace collinea {
 

@@ -24,9 +24,10 @@ struct Log {
   }
   [[nodiscard]] std::vector<std::string> steps_done() const {
     std::vector<std::string> done;
-    for (const std::string& step : step_names())
+    for (const Word<Step>& step : kStepWords)
       for (const std::string& line : lines)
-        if (line.starts_with(step + " ") && line.find("up to date") == std::string::npos) done.push_back(step);
+        if (line.starts_with(std::string(step.word) + " ") && line.find("up to date") == std::string::npos)
+          done.emplace_back(step.word);
     return done;
   }
 };
@@ -35,7 +36,7 @@ struct Log {
 /// own: what follows on a mapping is therefore one test, made of many small ones.
 class SmallProject : public ::testing::Test {
  public:
-  static void map(const std::string& last) {
+  static void map(Step last) {
     root_ = std::filesystem::path(::testing::TempDir()) / ("collinea_SmallProject_" + std::to_string(::getpid()));
     std::filesystem::remove_all(root_);
     SurveyOptions options;
@@ -58,8 +59,9 @@ class SmallProject : public ::testing::Test {
     Log log;
     const auto done = bring(root_ / "mapped", settings(), log, last);
     ASSERT_TRUE(done) << done.error().message;
-    std::vector<std::string> wanted = step_names();
-    wanted.erase(std::find(wanted.begin(), wanted.end(), last) + 1, wanted.end());
+    std::vector<std::string> wanted;
+    for (const Word<Step>& step : kStepWords)
+      if (step.value <= last) wanted.emplace_back(step.word);
     EXPECT_EQ(log.steps_done(), wanted);
   }
   void TearDown() override {
@@ -75,8 +77,8 @@ class SmallProject : public ::testing::Test {
     return settings;
   }
 
-  static Result<> bring(const std::filesystem::path& folder, const Settings& settings, Log& log,
-                        const std::string& last, int threads = 1) {
+  static Result<> bring(const std::filesystem::path& folder, const Settings& settings, Log& log, Step last,
+                        int threads = 1) {
     COLLINEA_TRY(Project project, create_project(folder, settings, log.run(threads)));
     return bring_up_to(project, last);
   }

@@ -18,6 +18,7 @@
 #include "collinea/base/id.h"
 #include "collinea/base/options.h"
 #include "collinea/base/packed.h"
+#include "collinea/base/word_or.h"
 #include "collinea/base/words.h"
 
 namespace collinea {
@@ -28,8 +29,8 @@ namespace collinea {
 //     static void fields(Visit&& visit) { visit("images", &DetectRecord::images); ... }
 //
 // and from that follow `pack`, `unpack` and `layout`. Members are numbers, booleans, enumerations, texts, ids, vectors
-// and matrices of fixed size, optional values, lists and maps of these, and structs that tell their members; options,
-// which tell them by `describe`, too. Numbers come back bit by bit, NaN too.
+// and matrices of fixed size, words or else texts (WordOr), optional values, lists and maps of these, and structs that
+// tell their members; options, which tell them by `describe`, too. Numbers come back bit by bit, NaN too.
 
 namespace packing {
 
@@ -107,6 +108,8 @@ void pack(Packer& packer, const T& value) {
   } else if constexpr (std::is_same_v<T, std::string>) {
     packer.put(std::uint64_t(value.size()));
     packer.put_bytes(value);
+  } else if constexpr (detail::kIsWordOr<T>) {
+    pack(packer, value.text());
   } else if constexpr (is_optional<T>) {
     pack(packer, value.has_value());
     if (value) pack(packer, *value);
@@ -152,6 +155,11 @@ template <class T>
     const auto size = unpacker.get<std::uint64_t>();
     if (!unpacker.ok() || size > unpacker.left()) return false;
     value = unpacker.get_bytes(std::size_t(size));
+    return true;
+  } else if constexpr (detail::kIsWordOr<T>) {
+    std::string text;
+    if (!unpack(unpacker, text)) return false;
+    value = text;
     return true;
   } else if constexpr (is_optional<T>) {
     bool has_value = false;
@@ -218,7 +226,7 @@ void add_layout(Hash& hash) {
     add_meaning<T>(hash);
   } else if constexpr (is_id<T>) {
     hash.add("id");
-  } else if constexpr (std::is_same_v<T, std::string>) {
+  } else if constexpr (std::is_same_v<T, std::string> || detail::kIsWordOr<T>) {
     hash.add("text");
   } else if constexpr (is_optional<T> || is_list<T>) {
     hash.add(is_list<T> ? "list" : "optional");

@@ -143,9 +143,9 @@ struct OrientationRecord {
   bool holds_given_poses = false;  ///< poses are those of another program, not adjusted
   Gauge gauge;                     ///< what fixes position, attitude and scale
   std::optional<AxisValues> control_rmse_m, check_rmse_m, position_rms_m;  ///< nothing: no such point took part
-  std::vector<double> sigma_factors;          ///< what the given sigmas were multiplied by, by ObservationGroup
-  Eigen::Vector3d position_shift_m{0, 0, 0};  ///< by which positions were moved to where control puts the block
-  InstrumentOptions instruments;              ///< those that took part
+  std::map<std::string, double> sigma_factors;  ///< what given sigmas were multiplied by, by word of ObservationGroup
+  Eigen::Vector3d position_shift_m{0, 0, 0};    ///< by which positions were moved to where control puts the block
+  InstrumentOptions instruments;                ///< those that took part
   CalibrationRecord calibration;
   std::vector<ImageId> not_oriented;              ///< in no part of the block
   std::vector<std::vector<ImageId>> other_parts;  ///< images that hang together, but not with the block

@@ -63,6 +63,10 @@ void randomise(Random& random, T& value) {
   } else if constexpr (std::is_same_v<T, std::string>) {
     value.clear();
     for (std::uint32_t i = random.below(20); i > 0; --i) value += char(random.bits());  // zeros and broken UTF-8 too
+  } else if constexpr (detail::kIsWordOr<T>) {
+    std::string text;
+    randomise(random, text);
+    value = text;
   } else if constexpr (is_optional<T>) {
     value.reset();
     if (random.below(2)) randomise(random, value.emplace());

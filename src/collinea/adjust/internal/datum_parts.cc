@@ -5,6 +5,13 @@
 #include <algorithm>
 
 namespace collinea::bundle {
+namespace {
+
+// Of unknowns of their own, by normal equations with ones on the diagonal: what has an eigenvalue of no more than this
+// is not determined by the rows, and takes nothing from the motions. Not a part of the largest one, as kSeenMotion is.
+constexpr double kDeterminedAuxiliary = 1e-9;
+
+}  // namespace
 
 MotionsWithAuxiliaries::MotionsWithAuxiliaries(const Problem& problem, std::size_t parts) : problem_(problem) {
   for (std::size_t k = 0; k < problem.auxiliaries.size(); ++k)
@@ -45,11 +52,12 @@ Matrix7 MotionsWithAuxiliaries::seen(int part) const {
   const Eigen::MatrixXd coupling = n.topRightCorner(7, count()) * scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(own);
   for (int k = 0; k < count(); ++k) {
-    if (!(eigen.eigenvalues()[k] > kSeenMotion)) continue;
+    if (!(eigen.eigenvalues()[k] > kDeterminedAuxiliary)) continue;
     const Vector7 along = coupling * eigen.eigenvectors().col(k);
     seen -= along * along.transpose() / eigen.eigenvalues()[k];
   }
   const Eigen::SelfAdjointEigenSolver<Matrix7> left(seen);
+  // Rounding is of the size of what there was before, the trace, and not of what is left.
   const Vector7 values = (left.eigenvalues().array() > kSeenMotion * whole).select(left.eigenvalues(), 0.0);
   return left.eigenvectors() * values.asDiagonal() * left.eigenvectors().transpose();
 }

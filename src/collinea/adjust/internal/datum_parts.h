@@ -45,7 +45,4 @@ class MotionsWithAuxiliaries {
   std::vector<Eigen::MatrixXd> normals_;
 };
 
-/// Motions by less than this part of the largest eigenvalue are not seen: 3e-5 in angle or relative scale.
-inline constexpr double kSeenMotion = 1e-9;
-
 }  // namespace collinea::bundle

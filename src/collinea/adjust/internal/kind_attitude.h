@@ -23,9 +23,7 @@ struct Attitude : ObservationKind<Attitude, 3> {
   static Eigen::Vector3d predicted(const Problem& problem, const State& state, const State& next,
                                    const std::vector<double>& reduced, const Item& item);
 
-  static ObservationGroup group(const Item&, int axis) {
-    return axis < 2 ? ObservationGroup::kAttitudeLevel : ObservationGroup::kAttitudeHeading;
-  }
+  static ObservationGroup group(const Item&, int axis) { return group_of(ObservationSource::kAttitude, axis); }
   static std::uint32_t source(const Problem& problem, const Item& item) { return problem.images[item.image].id.value; }
   static bool is_gauge_complete(const Problem& problem) { return problem.attitudes.empty(); }
   static bool needs_rows_for_datum(const Problem& problem) { return !problem.attitudes.empty(); }

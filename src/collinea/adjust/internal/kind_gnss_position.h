@@ -17,7 +17,7 @@ namespace collinea::bundle {
 struct GnssPosition : ObservationKind<GnssPosition, 3> {
   using Item = GivenPosition;
   static constexpr bool kIsRobust = true;
-  static constexpr ObservationGroup kGroups[] = {ObservationGroup::kPositionPlan, ObservationGroup::kPositionHeight};
+  static constexpr ObservationSource kGivenBy = ObservationSource::kPosition;
 
   template <class Visit>
   static void for_each(const Problem& problem, Visit&& visit) {
@@ -30,7 +30,7 @@ struct GnssPosition : ObservationKind<GnssPosition, 3> {
   /// Those of projection centres have one derivative, which is 1.
   static double add(const Problem& problem, const State& state, const Item& item, ObservationSink& sink);
 
-  static ObservationGroup group(const Item&, int axis) { return kGroups[axis < 2 ? 0 : 1]; }
+  static ObservationGroup group(const Item&, int axis) { return group_of(kGivenBy, axis); }
   static std::uint32_t source(const Problem& problem, const Item& item) { return problem.images[item.image].id.value; }
   static bool positions_block(const Problem& problem) { return !problem.positions.empty(); }
   static bool is_gauge_complete(const Problem& problem);

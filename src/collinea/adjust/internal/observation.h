@@ -44,7 +44,9 @@ class ObservationSink {
 ///     for_each_tied_points(problem, visit)            points, as two numbers
 ///
 /// Kinds that are tested for gross errors (kIsTested) also name their group and source; see ObservationGroup and
-/// TestedObservation. Image points, whose loops have to be fast, are a kind of their own: kind_image_point.h.
+/// TestedObservation. Those with a robust loss (kIsRobust) say by what they are given (kGivenBy, an ObservationSource),
+/// whose groups share that loss. Image points, whose loops have to be fast, are a kind of their own:
+/// kind_image_point.h.
 template <class Kind, int kAxes>
 struct ObservationKind {
   using Vector = Eigen::Matrix<double, kAxes, 1>;

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 class PlaneOfAProject : public SmallProject {
  public:
-  void SetUp() override { map("densify"); }
+  void SetUp() override { map(Step::kDensify); }
 
   void a_plane_through_control_shows_what_the_images_show_there();
   void a_plane_through_positions_of_the_map_is_that_through_control();

@@ -43,9 +43,9 @@ void weigh_measurements(Reconstruction& part, ControlAdjustment& result) {
                                        {RemedyCode::kLookForMarks}));
 }
 
-Block with_control_sigmas(const Block& setup, ControlKind kind, double factor) {
+Block with_control_sigmas(const Block& setup, ObservationGroup group, double factor) {
   SigmaFactors factors = as_given();
-  factors[std::size_t(kind == kPlan ? ObservationGroup::kControlPlan : ObservationGroup::kControlHeight)] = factor;
+  factors[std::size_t(group)] = factor;
   return with_sigmas(setup, factors);
 }
 
@@ -63,42 +63,45 @@ std::vector<Finding> findings_of_shift(const Eigen::Vector3d& shift_m) {
       {{FigureName::kEast, shift_m.x()}, {FigureName::kNorth, shift_m.y()}, {FigureName::kUp, shift_m.z()}})};
 }
 
-// Kinds of coordinates whose sigmas were multiplied, with the largest sigma now.
-std::vector<Finding> findings_of_sigmas(const Block& setup, const ByKind<double>& factors) {
+// Groups of coordinates whose sigmas were multiplied, with the largest sigma now.
+std::vector<Finding> findings_of_sigmas(const Block& setup, const SigmaFactors& factors) {
+  constexpr ObservationSource kSource = ObservationSource::kControlCoordinates;
   std::vector<Finding> findings;
-  for (const ControlKind kind : {kPlan, kHeight}) {
-    if (factors[kind] == 1) continue;
+  for (const ObservationGroup group : groups_of(kSource)) {
+    const double factor = factors[std::size_t(group)];
+    if (factor == 1) continue;
     double sigma_m = 0;
     for (const auto& [id, point] : setup.control)
       for (int axis = 0; axis < 3; ++axis)
-        if (point.role == ControlRole::kControl && kind_of(axis) == kind && std::isfinite(point.sigma_m[axis]))
+        if (point.role == ControlRole::kControl && group_of(kSource, axis) == group &&
+            std::isfinite(point.sigma_m[axis]))
           sigma_m = std::max(sigma_m, point.sigma_m[axis]);
-    findings.push_back(finding_of(kind == kPlan ? FindingCode::kControlSigmaPlan : FindingCode::kControlSigmaHeight, {},
-                                  {{FigureName::kRatio, factors[kind]}, {FigureName::kSigma, sigma_m}},
-                                  {RemedyCode::kLookForPoints}));
+    findings.push_back(finding_of(
+        group == ObservationGroup::kControlPlan ? FindingCode::kControlSigmaPlan : FindingCode::kControlSigmaHeight, {},
+        {{FigureName::kRatio, factor}, {FigureName::kSigma, sigma_m}}, {RemedyCode::kLookForPoints}));
   }
   return findings;
 }
 
 // Coordinates of control that contradict the block, and themselves, by many times their sigma cannot be as good as
-// stated: they are given the sigma they show, one kind at a time, and adjusted again.
+// stated: they are given the sigma they show, one group at a time, and adjusted again.
 Result<> weigh_coordinates(Reconstruction& part, const AdjustScope& scope, bool shift_is_unknown,
                            const OrientOptions& options, const Run& run, ControlAdjustment& result) {
   Examined& adjusted = result.adjusted;
   Eigen::Vector3d shift_m = shift_is_unknown ? Eigen::Vector3d(0, 0, 0) : shift_positions(part, adjusted);
-  ByKind<double> factors{1, 1};
+  SigmaFactors factors = as_given();
   for (int round = 0; round < kControlRounds; ++round) {
     const auto doubt = next_doubt(part.setup(), adjusted, factors);
     if (!doubt) break;
-    const auto [kind, factor] = *doubt;
-    factors[kind] *= factor;
-    part.set_setup(with_control_sigmas(part.setup(), kind, factor));
+    const auto [group, factor] = *doubt;
+    factors[std::size_t(group)] *= factor;
+    part.set_setup(with_control_sigmas(part.setup(), group, factor));
     COLLINEA_TRY(adjusted, adjust_with_covariances(part, scope, options, run));
     if (!shift_is_unknown) shift_m += shift_positions(part, adjusted);
   }
   result.position_shift_m = shift_m;
-  result.sigma_factors[std::size_t(ObservationGroup::kControlPlan)] = factors[kPlan];
-  result.sigma_factors[std::size_t(ObservationGroup::kControlHeight)] = factors[kHeight];
+  for (const ObservationGroup group : groups_of(ObservationSource::kControlCoordinates))
+    result.sigma_factors[std::size_t(group)] = factors[std::size_t(group)];
   for (auto&& findings : {findings_of_shift(shift_m), findings_of_sigmas(part.setup(), factors)})
     result.findings.insert(result.findings.end(), findings.begin(), findings.end());
   return {};

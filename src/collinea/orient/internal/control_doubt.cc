@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <set>
 
@@ -11,6 +12,7 @@
 namespace collinea {
 namespace {
 
+constexpr ObservationSource kSource = ObservationSource::kControlCoordinates;
 constexpr double kSettled = 1.2;  // a few points do not tell their sigma any better
 constexpr double kStep = 5;       // one step does no more: weights must not collapse
 
@@ -19,19 +21,22 @@ struct Shown {
   double squares = 0, redundancy = 0;  // of residuals in sigmas; what the block and the other points know of them
   int coordinates = 0;
   // The factor of control that positions alone contradict is not known: their errors are mostly common to all.
-  [[nodiscard]] double sigma_factor(ControlKind kind) const {
-    const int of_datum = kind == kPlan ? 4 : 3;
+  [[nodiscard]] double sigma_factor(ObservationGroup group) const {
+    const int of_datum = group == ObservationGroup::kControlPlan ? 4 : 3;
     return coordinates > of_datum && squares > 0 && redundancy > 0 ? std::sqrt(squares / redundancy) : 1;
   }
 };
-ByKind<Shown> shown_by_coordinates(const Block& setup, const Adjusted& adjusted) {
-  ByKind<Shown> shown;
+using ShownByGroup = std::map<ObservationGroup, Shown>;
+
+ShownByGroup shown_by_coordinates(const Block& setup, const Adjusted& adjusted) {
+  ShownByGroup shown;
+  for (const ObservationGroup group : groups_of(kSource)) shown[group] = {};
   for (const ControlDifference& control : adjusted.control) {
     if (!control.used || !control.covariance_m2) continue;
     const Eigen::Vector3d& sigma_m = setup.control.at(control.point).sigma_m;
     for (int axis = 0; axis < 3; ++axis) {
       if (!(sigma_m[axis] > 0 && std::isfinite(sigma_m[axis]))) continue;  // fixed: nothing shows
-      Shown& its = shown[kind_of(axis)];
+      Shown& its = shown[group_of(kSource, axis)];
       ++its.coordinates;
       its.squares += std::pow(control.difference_m[axis] / sigma_m[axis], 2);
       its.redundancy += 1 - (*control.covariance_m2)(axis, axis) / (sigma_m[axis] * sigma_m[axis]);
@@ -44,10 +49,9 @@ ByKind<Shown> shown_by_coordinates(const Block& setup, const Adjusted& adjusted)
 
 double control_misfit(const Block& setup, const Adjusted& adjusted) {
   double sum = 0, largest = 0;
-  const ByKind<Shown> shown = shown_by_coordinates(setup, adjusted);
-  for (const ControlKind kind : {kPlan, kHeight}) {
-    sum += shown[kind].squares;
-    if (shown[kind].redundancy >= kLeastRedundancy) largest = std::max(largest, shown[kind].sigma_factor(kind));
+  for (const auto& [group, shown] : shown_by_coordinates(setup, adjusted)) {
+    sum += shown.squares;
+    if (shown.redundancy >= kLeastRedundancy) largest = std::max(largest, shown.sigma_factor(group));
   }
   int measured = 0;
   std::set<ControlId> used;
@@ -67,16 +71,15 @@ double control_misfit(const Block& setup, const Adjusted& adjusted) {
   return std::max(largest, std::sqrt(sum / redundancy));
 }
 
-std::optional<std::pair<ControlKind, double>> next_doubt(const Block& setup, const Adjusted& adjusted,
-                                                         const ByKind<double>& taken) {
-  const ByKind<Shown> shown = shown_by_coordinates(setup, adjusted);
-  std::optional<std::pair<ControlKind, double>> next;
+std::optional<std::pair<ObservationGroup, double>> next_doubt(const Block& setup, const Adjusted& adjusted,
+                                                              const SigmaFactors& taken) {
+  std::optional<std::pair<ObservationGroup, double>> next;
   double surest = 0;
-  for (const ControlKind kind : {kPlan, kHeight}) {
+  for (const auto& [group, shown] : shown_by_coordinates(setup, adjusted)) {
     // never below what was stated: then it is not the coordinates that are wrong
-    const double factor = std::clamp(shown[kind].sigma_factor(kind), 1 / taken[kind], kStep);
-    const double change = std::abs(std::log(factor)), sure = change * std::sqrt(shown[kind].redundancy);
-    if (change > std::log(kSettled) && sure > surest) next = {kind, factor}, surest = sure;
+    const double factor = std::clamp(shown.sigma_factor(group), 1 / taken[static_cast<std::size_t>(group)], kStep);
+    const double change = std::abs(std::log(factor)), sure = change * std::sqrt(shown.redundancy);
+    if (change > std::log(kSettled) && sure > surest) next = {group, factor}, surest = sure;
   }
   return next;
 }

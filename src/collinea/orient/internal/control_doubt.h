@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <optional>
 #include <utility>
 
 #include "collinea/adjust/bundle.h"
+#include "collinea/quality/variance_components.h"
 
 namespace collinea {
-
-/// Plan and height of a survey have errors of their own.
-enum ControlKind { kPlan, kHeight };
-template <class T>
-using ByKind = std::array<T, 2>;
-[[nodiscard]] constexpr ControlKind kind_of(int axis) { return axis == 2 ? kHeight : kPlan; }
 
 /// With less redundancy nothing is stated of a standard deviation.
 inline constexpr double kLeastRedundancy = 3;
@@ -24,11 +18,12 @@ inline constexpr double kLeastRedundancy = 3;
 /// the control's sigmas.
 [[nodiscard]] double control_misfit(const Block& setup, const Adjusted& adjusted);
 
-/// Whose sigmas to multiply next, and by what: one kind at a time, the surest first, because what is wrong in plan
-/// makes the block contradict heights too. `taken`: by what they were multiplied so far. Nothing when none would change
-/// by more than a fifth.
-[[nodiscard]] std::optional<std::pair<ControlKind, double>> next_doubt(const Block& setup, const Adjusted& adjusted,
-                                                                       const ByKind<double>& taken);
+/// Whose sigmas to multiply next, and by what: one group of the coordinates of control at a time (plan and height have
+/// errors of their own), the surest first, because what is wrong in plan makes the block contradict heights too.
+/// `taken`: by what they were multiplied so far. Nothing when none would change by more than a fifth.
+[[nodiscard]] std::optional<std::pair<ObservationGroup, double>> next_doubt(const Block& setup,
+                                                                            const Adjusted& adjusted,
+                                                                            const SigmaFactors& taken);
 
 /// By how much to shift all positions of images [m, in world]: their median difference less the mean difference of
 /// control. Errors of positions are mostly common to all, so that control decides the position of the block however

@@ -9,12 +9,6 @@
 
 namespace collinea::bundle {
 
-namespace {
-
-constexpr double kDetermined = 1e-9;  // of the largest eigenvalue, as where the defect is found: less tells no motion
-
-}  // namespace
-
 Eigen::MatrixXd FreeNetwork::of_position(const Part& part, const Eigen::Vector3d& position) const {
   return part.size * motion_of(position, part.centre, part.size) * part.motions;
 }
@@ -55,7 +49,7 @@ bool FreeNetwork::find_inverse(Part& part) const {
       sum += g.transpose() * g;
     }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(sum);
-  if (!(eigen.eigenvalues()[0] > kDetermined * eigen.eigenvalues()[count - 1])) return false;
+  if (!(eigen.eigenvalues()[0] > kSeenMotion * eigen.eigenvalues()[count - 1])) return false;
   part.inverse =
       eigen.eigenvectors() * eigen.eigenvalues().cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
   return true;

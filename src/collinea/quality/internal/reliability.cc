@@ -50,6 +50,9 @@ class Examiner {
     out_.false_alarm = options.false_alarm;
     out_.power = options.power;
     out_.sigma0_known = options.sigma0_known;
+    // sigma0 as it is estimated however small it is, not sigma_scale(), which is 1 where observations agree to
+    // rounding: tau compares residuals with each other, and one that stands out of rounding is a gross error all the
+    // same.
     const bool known = options.sigma0_known || adjusted.redundancy < 1;
     sigma0_ = known ? 1 : std::max(adjusted.sigma0, 1e-12);
     out_.limit = known ? normal_limit(options.false_alarm) : tau_limit(options.false_alarm, adjusted.redundancy);
@@ -168,7 +171,7 @@ class Examiner {
       const double w = given.inverse_sigma[axis];
       if (!(w > 0)) continue;
       TestedObservation one;
-      one.group = axis < 2 ? ObservationGroup::kControlPlan : ObservationGroup::kControlHeight;
+      one.group = group_of(ObservationSource::kControlCoordinates, axis);
       one.source = point.id;
       one.axis = axis;
       one.residual = -weighted[axis] / (w * w);
@@ -231,7 +234,8 @@ class Examiner {
         all.add(Kind::squared(problem_, state_, item), static_cast<int>(given));
     });
     if (!(all.weighted() > 0)) return;
-    for (const ObservationGroup group : Kind::kGroups) sums(group).squares *= all.squares() / all.weighted();
+    for (const ObservationGroup group : groups_of(Kind::kGivenBy))
+      sums(group).squares *= all.squares() / all.weighted();
   }
 
   void take_vertical(const GivenUp& given) {

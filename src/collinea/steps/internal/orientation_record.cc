@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "collinea/epipolar/intersect.h"
+#include "collinea/quality/variance_components.h"
 #include "collinea/report/statistics.h"
 
 namespace collinea {
@@ -132,7 +133,7 @@ OrientationRecord record_of(const Orientation& orientation, const Block& setup) 
   record.check_rmse_m = control_rms(orientation, false);
   record.positions = positions_of(orientation);
   record.position_rms_m = position_rms(record.positions);
-  record.sigma_factors.assign(orientation.sigma_factors.begin(), orientation.sigma_factors.end());
+  record.sigma_factors = factors_by_word(orientation.sigma_factors);
   record.position_shift_m = orientation.position_shift_m;
   record.instruments = orientation.instruments;
   record.calibration = calibration_of(orientation);

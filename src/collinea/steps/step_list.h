@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "collinea/base/words.h"
+
+namespace collinea {
+
+/// The steps in their order.
+enum class Step : std::uint8_t {
+  kImport,
+  kDetect,
+  kMatch,
+  kOrient,
+  kDensify,
+  kSurface,
+  kTerrain,
+  kOrtho,
+  kReport,
+};
+inline constexpr Word<Step> kStepWords[] = {
+    {Step::kImport, "import"},   {Step::kDetect, "detect"},   {Step::kMatch, "match"},
+    {Step::kOrient, "orient"},   {Step::kDensify, "densify"}, {Step::kSurface, "surface"},
+    {Step::kTerrain, "terrain"}, {Step::kOrtho, "ortho"},     {Step::kReport, "report"}};
+[[nodiscard]] constexpr std::span<const Word<Step>> words(Step) { return kStepWords; }
+
+}  // namespace collinea
