@@ -41,7 +41,7 @@ struct AdjustScope : Instruments {
   bool use_geodetic = true;                    ///< Block::geodetic; not in a local adjustment
 };
 
-/// The scope with every camera in first_cameras, as it stands where it is not named: so the weak observations stay
+/// The scope with every camera in first_cameras, as it stands where it is not named: so the pseudo-observations stay
 /// those of the beginning, however often the block is adjusted and takes the outcome.
 [[nodiscard]] inline AdjustScope with_first_cameras(AdjustScope scope, const std::map<CameraId, Camera>& cameras) {
   scope.first_cameras.insert(cameras.begin(), cameras.end());

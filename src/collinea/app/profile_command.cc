@@ -16,7 +16,7 @@ Command profile_command() {
   return console_command<Asked>(
       "profile", "heights of surfaces along a line: table and chart",
       [](Flags& flags, Asked& asked) {
-        flags.positional("surface", asked.surface, "raster of heights, such as PROJECT/products/dsm.tif");
+        flags.positional("surface", asked.surface, "GeoTIFF of heights, such as PROJECT/products/dsm.tif");
         flags.positional("folder", asked.folder, "where profile.csv and profile.html go; made when missing");
         flags.add_all(asked.options, "profile");
         flags.add_all(asked.console, "run");

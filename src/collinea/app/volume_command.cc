@@ -16,7 +16,7 @@ Command volume_command() {
   return console_command<Asked>(
       "volume", "what lies between a surface and a plane, a level or another surface, with its standard deviation",
       [](Flags& flags, Asked& asked) {
-        flags.positional("surface", asked.surface, "raster of heights, such as PROJECT/products/dsm.tif");
+        flags.positional("surface", asked.surface, "GeoTIFF of heights, such as PROJECT/products/dsm.tif");
         flags.add_all(asked.measured, "volume");
         flags.add_all(asked.options, "accuracy");
         flags.add_all(asked.console, "run");

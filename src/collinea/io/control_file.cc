@@ -66,8 +66,12 @@ Result<> project_to_utm(ControlFile& control) {
   const Eigen::Vector3d origin = lat_lon_height(control.points[0]);
   const std::string crs = utm_crs(origin.x(), origin.y());
   COLLINEA_TRY(const LocalFrame frame, LocalFrame::create(crs, origin.x(), origin.y(), origin.z()));
-  for (auto& point : control.points)
+  for (auto& point : control.points) {
     point.position_in_map = frame.map_from_local(frame.local_from_geographic(lat_lon_height(point)));
+    if (!point.position_in_map.allFinite())
+      return fail(Errc::kBadFormat, "point " + point.name + " lies too far from point " + control.points[0].name +
+                                        " for one map: x must be the longitude, y the latitude, in degrees");
+  }
   control.crs = crs;
   return {};
 }

@@ -167,6 +167,12 @@ TEST(ControlFile, DegreesComeBackInTheUtmZone) {
   EXPECT_LT((control->points[1].position_in_map - Eigen::Vector3d(610843.8857, 5277696.1650, 461.928)).norm(), 2e-4);
 }
 
+TEST(ControlFile, DegreesThatNoUtmZoneReachesAreRefusedByName) {
+  const auto control = parse_control("EPSG:4326\n15.25 48.5 100 10.5 20.5 a.jpg\n100 6 48.5 100 10.5 b.jpg\n");
+  ASSERT_FALSE(control);
+  EXPECT_NE(control.error().message.find("too far from point"), std::string::npos) << control.error().message;
+}
+
 TEST(ControlFile, RolesCanBeSetByName) {
   auto control = parse_control(kCsv);
   ASSERT_TRUE(control);

@@ -64,7 +64,7 @@ extern template class GeoTiffWriter<float>;
 extern template class GeoTiffWriter<std::uint8_t>;
 extern template class GeoTiffWriter<std::uint16_t>;
 
-/// A raster file opened for reading by windows. Not thread-safe. A file without georeference has cells of 1 and its
+/// A GeoTIFF opened for reading by windows. Not thread-safe. A file without georeference has cells of 1 and its
 /// lower-left corner at (0, 0).
 class GeoTiffReader {
  public:

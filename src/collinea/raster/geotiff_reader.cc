@@ -110,9 +110,13 @@ Result<GeoTiffReader> GeoTiffReader::open(const std::filesystem::path& path) {
   reader.state_ = std::make_unique<State>();
   reader.state_->path = path;
   const GdalErrors errors;
+  // Drivers of raw rasters take a file's word for its width, and memory for a row of it.
+  const char* const drivers[] = {"GTiff", nullptr};
   reader.state_->dataset.reset(
-      GDALOpenEx(path.c_str(), GDAL_OF_READONLY | GDAL_OF_RASTER | GDAL_OF_VERBOSE_ERROR, nullptr, nullptr, nullptr));
-  if (!reader.state_->dataset) return errors.error(Errc::kBadFormat, "reading " + path.string());
+      GDALOpenEx(path.c_str(), GDAL_OF_READONLY | GDAL_OF_RASTER | GDAL_OF_VERBOSE_ERROR, drivers, nullptr, nullptr));
+  if (!reader.state_->dataset)
+    return errors.error(Errc::kBadFormat,
+                        "reading " + path.string() + " as GeoTIFF (convert rasters of other formats)");
   if (Result<> verdict = reader.state_->read_description(); !verdict) return tl::unexpected(std::move(verdict).error());
   return reader;
 }

@@ -168,6 +168,10 @@ TEST(GeoTiff, FilesThatAreNoneAreErrorsInWords) {
   EXPECT_EQ(GeoTiffReader::open(folder / "missing.tif").error().code, Errc::kNotFound);
   ASSERT_TRUE(write_bytes(folder / "text.tif", "no raster"));
   EXPECT_EQ(GeoTiffReader::open(folder / "text.tif").error().code, Errc::kBadFormat);
+  ASSERT_TRUE(write_bytes(folder / "grid.asc", "ncols 2\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 1\n3 4\n"));
+  const Result<GeoTiffReader> other = GeoTiffReader::open(folder / "grid.asc");
+  ASSERT_FALSE(other);
+  EXPECT_NE(other.error().message.find("as GeoTIFF"), std::string::npos) << other.error().message;
   EXPECT_FALSE(GeoTiffWriter<float>::create(folder / "no/such/folder/d.tif", map_grid(10, 10), 1, {}));
   EXPECT_FALSE(GeoTiffWriter<float>::create(folder / "d.tif", map_grid(0, 10), 1, {}));
 }

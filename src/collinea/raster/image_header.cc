@@ -188,7 +188,7 @@ std::string date_and_time(const Tags& tags) {
 std::optional<double> pixel_pitch_mm(const Tags& tags, const ImageHeader& header) {
   const std::optional<double> per_unit = positive(tags.exif_number("Exif.Photo.FocalPlaneXResolution"));
   if (!per_unit) return std::nullopt;
-  const int unit = int(tags.exif_number("Exif.Photo.FocalPlaneResolutionUnit").value_or(2));
+  const double unit = tags.exif_number("Exif.Photo.FocalPlaneResolutionUnit").value_or(2);
   const double unit_mm = unit == 3 ? 10 : unit == 4 ? 1 : unit == 5 ? 0.001 : 25.4;
   double pitch_mm = unit_mm / *per_unit;
   const double original_px = tags.exif_number("Exif.Photo.PixelXDimension").value_or(header.width_px);
@@ -215,8 +215,8 @@ void read_camera(const Tags& tags, ImageHeader& header) {
   header.focal_35mm_mm = positive(tags.exif_number("Exif.Photo.FocalLengthIn35mmFilm"));
   header.pixel_pitch_mm = pixel_pitch_mm(tags, header);
   header.taken = date_and_time(tags);
-  const int orientation = int(tags.exif_number("Exif.Image.Orientation").value_or(1));
-  if (orientation >= 1 && orientation <= 8) header.orientation = orientation;
+  const double orientation = tags.exif_number("Exif.Image.Orientation").value_or(1);
+  if (orientation >= 1 && orientation <= 8) header.orientation = int(orientation);
 }
 
 // Broken tags are common and no reason to refuse a good image: what can be read is taken.

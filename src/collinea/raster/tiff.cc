@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <tiffio.h>
 
+#include <algorithm>
 #include <cstdarg>
 #include <cstdio>
 #include <memory>
@@ -57,15 +58,19 @@ void paste(Raster<T>& raster, int left, int top, const T* block, int block_width
 
 // Pixels that a byte of the file can stand for: of a file that is not compressed at most those that lie in it.
 std::uint64_t px_per_byte(const Layout& it) {
-  return it.compression == COMPRESSION_NONE ? 8 / std::max(1, std::min(8, it.bits * it.samples)) : kTiffPxPerByte;
+  const std::uint32_t bits_per_px = std::clamp(std::uint32_t(it.bits) * it.samples, 1u, 8u);
+  return it.compression == COMPRESSION_NONE ? 8 / bits_per_px : kTiffPxPerByte;
 }
 
-// Strips are as wide as the image and not higher; a tile may be stated to be of any size.
+// A strip or tile is unpacked as a whole, with all its samples: a tile may be stated to be of any size, a pixel to have
+// 65535 samples.
 Result<> check_layout(const Layout& it, std::uint64_t file_bytes) {
   COLLINEA_TRY(check_size(it.width, it.height, file_bytes, px_per_byte(it)));
-  if (!it.tiled) return {};
-  return check_size(it.tile_width, std::uint64_t(it.tile_height) * it.samples, file_bytes, kTiffPxPerByte)
-      .map_error([](Error error) { return std::move(error).within("a tile"); });
+  const std::uint64_t width = it.tiled ? it.tile_width : it.width;
+  const std::uint64_t height = it.tiled ? it.tile_height : std::min(it.rows_per_strip, it.height);
+  return check_size(width, height * it.samples, file_bytes, kTiffPxPerByte).map_error([&](Error error) {
+    return std::move(error).within(it.tiled ? "a tile" : "a strip");
+  });
 }
 
 template <class T>
