@@ -94,7 +94,7 @@ Result<> write_opk(const std::filesystem::path& path, const Block& block) {
   COLLINEA_TRY(const auto rows, exterior_orientations(block));
   std::string text = block.georeference ? "# Exterior orientations in " + block.georeference->crs +
                                               "; angles to the axes of its grid at each projection centre\n"
-                                        : "# Exterior orientations in a local frame without georeference, z up\n";
+                                        : "# Exterior orientations in a local frame without place on Earth, z up\n";
   text +=
       "# ground = Rx(omega) Ry(phi) Rz(kappa) image, image frame x right, y up, z backward\n"
       "# image\tx_m\ty_m\tz_m\tomega_deg\tphi_deg\tkappa_deg\n";

@@ -82,10 +82,12 @@ TEST(VarianceComponents, SigmasOfACoordinateAreMultipliedByTheFactorOfItsGroup) 
   px(block.control_observations, scaled.control_observations, ObservationGroup::kControlImages);
   for (const ObservationGroupTraits& its : kObservationGroupTraits)
     for (int axis = its.first_axis; axis < its.first_axis + its.axes; ++axis) {
-      if (its.source == ObservationSource::kControlCoordinates)
+      if (its.source == ObservationSource::kControlCoordinates) {
         for (const auto& [id, control] : block.control)
-          if (control.role == ControlRole::kControl)
+          if (control.role == ControlRole::kControl) {
             EXPECT_EQ(scaled.control.at(id).sigma_m[axis], control.sigma_m[axis] * factor(its.group));
+          }
+      }
       if (its.source == ObservationSource::kPosition)
         for (const auto& [id, image] : block.images)
           EXPECT_EQ(scaled.images.at(id).position->sigma_m[axis], image.position->sigma_m[axis] * factor(its.group));

@@ -42,7 +42,9 @@ TEST(View, AnImageStraightAboveCostsLeastAndOneThatShowsNothingIsUseless) {
   const Eigen::Vector3d below(16, 16, 0);
   EXPECT_NEAR((*pixel_of(views[4], below) - Eigen::Vector2d(120, 100)).norm(), 0, 1e-9);
   for (std::size_t i = 0; i < views.size(); ++i) {
-    if (i != 4) EXPECT_LT(cost_of(views[4], below, 0.2), cost_of(views[i], below, 0.2)) << i;
+    if (i != 4) {
+      EXPECT_LT(cost_of(views[4], below, 0.2), cost_of(views[i], below, 0.2)) << i;
+    }
   }
   EXPECT_GE(cost_of(views[4], {5000, 16, 0}, 0.2), kUseless);  // far beside the image
   EXPECT_GE(cost_of(views[4], {16, 16, 60}, 0.2), kUseless);   // behind the camera
