@@ -42,7 +42,7 @@ fuzz() {
   local options=(-timeout=10 -rss_limit_mb=1024 -max_len=$((longest < 512 ? 1024 : 2 * longest)) "-artifact_prefix=$found/")
   local left=$((runs - $(total '{n += $1} END {print n + 0}'))) began=$(date +%s)
   if [ "$left" -gt 0 ]; then
-    left=$(((left + parts - 1) / parts + $(find "$work" "${known[@]}" -type f | wc -l) + 1))
+    left=$(((left + parts - 1) / parts + $(find "$work" "${known[@]}" -type f | wc -l) + 2))
     local part status=0 processes=()
     for part in $(seq "$parts"); do
       ASAN_OPTIONS=$sanitizer:detect_leaks=0 "$fuzzer" "${options[@]}" -runs="$left" -max_total_time="$seconds" \

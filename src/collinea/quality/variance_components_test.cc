@@ -88,9 +88,10 @@ TEST(VarianceComponents, SigmasOfACoordinateAreMultipliedByTheFactorOfItsGroup) 
             EXPECT_EQ(scaled.control.at(id).sigma_m[axis], control.sigma_m[axis] * factor(its.group));
           }
       }
-      if (its.source == ObservationSource::kPosition)
+      if (its.source == ObservationSource::kPosition) {
         for (const auto& [id, image] : block.images)
           EXPECT_EQ(scaled.images.at(id).position->sigma_m[axis], image.position->sigma_m[axis] * factor(its.group));
+      }
     }
   for (std::size_t kind = 0; kind < kGeodeticKinds; ++kind)
     EXPECT_EQ(scaled.geodetic[kind].sigma, 0.1 * factor(group_of(static_cast<GeodeticKind>(kind))));
