@@ -32,7 +32,7 @@ PHRASES = {
     r"foretold|foretell(s|ing)?": "predicted, predict", r"(goes|go|went|gone) astray": "diverges", r"specks?": "speckles", r"cure[sd]?": "remedy",
     r"(taken|takes|took|taking) out": "rejected, removed", r"hinges?": "articulation images", r"soundings?": "depth samples", r"false rims?": "foreground fattening",
     r"least (detectable )?blunders?": "minimal detectable bias", r"weak observations?": "pseudo-observations, prior", r"made nothing": "skipped",
-    r"held fixed": "fixed", r"(is|are|was|were) told(?! (apart|from))": "reported, stated", r"without (a )?place": "without georeference",
+    r"held fixed": "fixed", r"(is|are|was|were) told(?! (apart|from))": "reported, stated", r"without (a )?place(?! on Earth)": "without georeference",
 }
 TOKEN = re.compile(
     r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:[^"\\\n]|\\.)*"|(?<![0-9a-fA-F])\'(?:[^\'\\\n]|\\.)+\'|\b(?:TYPED_)?TEST(?:_[FP])?\([^)]*\)|#\s*include[^\n]*|[A-Za-z_]\w*', re.S)
