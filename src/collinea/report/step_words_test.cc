@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "collinea/adjust/observation_group.h"
 #include "collinea/report/step_figures.h"
 
 namespace collinea {
@@ -88,7 +89,7 @@ TEST(StepFigures, AreNullWhereNothingIsKnown) {
   record.instruments.lever_arm = "0,0,0.1";
   const auto figures = figures_of(record, two_images());
   EXPECT_EQ(figures.at("oriented"), 2);
-  EXPECT_EQ(figures.at("sigma_factors").size(), 15u);  // of all groups of observations, in their order
+  EXPECT_EQ(figures.at("sigma_factors").size(), kObservationGroups);  // in their order
   EXPECT_EQ(figures.at("sigma_factors")[0], 1.0);
   EXPECT_EQ(figures.at("sigma_factors")[1], 2.5);
   EXPECT_EQ(figures.at("instruments").at("lever_arm"), "0,0,0.1");
