@@ -3,8 +3,11 @@
 
 #include "collinea/app/commands.h"
 #include "collinea/app/console_command.h"
+#include "collinea/app/settings_flags.h"
 #include "collinea/jobs/adjust_project.h"
 #include "collinea/report/finding_words.h"
+#include "collinea/report/step_words.h"
+#include "collinea/steps/flow.h"
 
 namespace collinea {
 namespace {
@@ -12,9 +15,7 @@ namespace {
 struct Asked {
   std::string project;
   std::optional<std::string> import_file, export_file, output;
-  AdjustProjectOptions options;
-  std::vector<std::pair<std::string_view, Given>> given;  ///< options of the adjustment
-  std::vector<std::pair<std::string_view, Given>> given_instruments;
+  SettingsFlags flags;
   ConsoleOptions console;
 };
 
@@ -41,60 +42,74 @@ std::string outcome_text(const AdjustmentReport& report, const std::filesystem::
 }
 
 Result<std::string> convert(const Asked& asked) {
-  for (const auto& given : {asked.given, asked.given_instruments})
-    for (const auto& [name, is_given] : given)
-      if (is_given())
-        return tl::unexpected(Error{Errc::kBadInput,
-                                    "the file is only converted, and nothing of how it will be adjusted is kept in it",
-                                    {OptionName{std::string(name)}, "import"_option, "export"_option}});
+  if (const auto given = first_given(asked.flags))
+    return tl::unexpected(Error{Errc::kBadInput,
+                                "the file is only converted, and nothing of how it will be adjusted is kept in it",
+                                {*given, "import"_option, "export"_option}});
   if (asked.output) return fail(Errc::kBadInput, "adjust the file, or convert it", {"output"_option, "export"_option});
   COLLINEA_TRY(convert_adjustment(*asked.import_file, *asked.export_file));
   return *asked.export_file;
 }
 
-Result<std::string> adjust_as(const Asked& asked, const Run& run) {
+Result<std::string> adjust_of_file(const Asked& asked, const Run& run) {
+  if (asked.export_file) return convert(asked);
+  if (!asked.output) return fail(Errc::kBadInput, "a file needs a folder for what comes of it", {"output"_option});
+  COLLINEA_TRY(const AdjustmentReport report,
+               adjust_file(*asked.import_file, *asked.output, asked.flags.settings.adjust, run));
+  return outcome_text(report, *asked.output);
+}
+
+// With the options of the project and those that were given; the project stays as it is.
+Result<std::string> look_only(Asked& asked, const Run& run) {
+  if (asked.output && asked.export_file)
+    return fail(Errc::kBadInput, "adjust the project, or write what would be adjusted",
+                {"output"_option, "export"_option});
+  COLLINEA_TRY(Project project, open_project(asked.project, run));
+  apply_flags(asked.flags, project.settings);
+  if (asked.export_file) {
+    COLLINEA_TRY(export_adjustment(project, project.settings.adjust, *asked.export_file));
+    return *asked.export_file;
+  }
+  COLLINEA_TRY(const AdjustmentReport report, try_adjustment(project, project.settings.adjust, *asked.output));
+  return outcome_text(report, *asked.output);
+}
+
+Result<std::string> adjust_as(Asked& asked, Console& console) {
   if (asked.import_file.has_value() != asked.project.empty())
     return fail(Errc::kBadInput, "adjust what? Give a project folder, or a file", {"import"_option});
-  if (asked.import_file) {
-    if (asked.export_file) return convert(asked);
-    if (!asked.output) return fail(Errc::kBadInput, "a file needs a folder for what comes of it", {"output"_option});
-    COLLINEA_TRY(const AdjustmentReport report, adjust_file(*asked.import_file, *asked.output, asked.options, run));
-    return outcome_text(report, *asked.output);
-  }
-  if (asked.output)
-    return fail(Errc::kBadInput, "the output of a file needs the file; a project has its own folder",
-                {"output"_option, "import"_option});
-  COLLINEA_TRY(const Project project, open_project(asked.project, run));
-  if (!asked.export_file) {
-    COLLINEA_TRY(const AdjustmentReport report, adjust_project(project, asked.options));
-    return outcome_text(report, project.folder / "adjustment");
-  }
-  COLLINEA_TRY(export_adjustment(project, asked.options, *asked.export_file));
-  return *asked.export_file;
+  if (asked.import_file) return adjust_of_file(asked, console.run());
+  if (asked.output || asked.export_file) return look_only(asked, console.run());
+  COLLINEA_TRY(Settings settings, read_settings(asked.project));
+  apply_flags(asked.flags, settings);
+  COLLINEA_TRY(Project project, create_project(asked.project, settings, console.run()));
+  console.log_to(project.folder / "log.txt");
+  COLLINEA_TRY(bring_up_to(project, Step::kAdjust));
+  COLLINEA_TRY(const auto record, project.store.read_outcome<AdjustmentRecord>());
+  return summary_of(record) + "; " + (project.folder / "adjustment" / "adjustment.html").string();
 }
 
 void declare(Flags& flags, Asked& asked) {
   flags.positional("project", asked.project, "project folder", false);
   flags.add("import", asked.import_file, "",
             "adjust the measurements of this file instead: no project, no images (see adjustment-file)");
-  flags.add("output", asked.output, "", "with --import: folder for report and tables");
+  flags.add("output", asked.output, "",
+            "folder for report and tables: of a file; or of a trial, which leaves the project as it is");
   flags.add("export", asked.export_file, "",
             "adjust nothing; write to this file what would be adjusted, as text for --import");
+  declare_seed(flags, asked.flags);
   flags.add_all(asked.console, "run");
-  flags.add_all(asked.options, "adjust", [&](std::string_view group, const auto& field, const Given& given) {
-    (group == "instruments" ? asked.given_instruments : asked.given).emplace_back(field.name, given);
-  });
+  declare_options(flags, "adjust", asked.flags);
 }
 
 }  // namespace
 
 Command adjust_command() {
   return console_command<Asked>(
-      "adjust", "the bundle of an oriented project again: standard deviations, tests for gross errors, reliability",
+      "adjust",
+      "adjust the oriented block with the full model: standard deviations, tests for gross errors, reliability; "
+      "earlier steps are done first where they are missing",
       declare, [](Asked& asked, Console& console) -> Result<std::string> {
-        for (const auto& [name, given] : asked.given_instruments)
-          if (given()) asked.options.changed_instruments.emplace(name);
-        COLLINEA_TRY(const std::string text, adjust_as(asked, console.run()));
+        COLLINEA_TRY(const std::string text, adjust_as(asked, console));
         return text + "\n";
       });
 }

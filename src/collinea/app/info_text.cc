@@ -17,9 +17,9 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-json control_points(const OrientationRecord& orientation, const Block& setup) {
+json control_points(const AdjustmentRecord& adjustment, const Block& setup) {
   json list = json::array();
-  for (const ControlDifference& control : orientation.control) {
+  for (const ControlDifference& control : adjustment.control) {
     const auto point = setup.control.find(control.point);
     if (point == setup.control.end()) continue;
     list.push_back({{"name", point->second.name},
@@ -72,7 +72,14 @@ std::string info_json(const ProjectInfo& info) {
   if (info.setup.georeference) all["crs"] = info.setup.georeference->crs;
   if (const OrientationRecord* orientation = info.orientation()) {
     all.update(figures_of(*orientation, info.setup));
-    all["control_points"] = control_points(*orientation, info.setup);
+  }
+  if (const AdjustmentRecord* adjustment = info.adjustment()) {
+    json findings = all.contains("findings") ? all["findings"] : json::array();
+    all.update(figures_of(*adjustment, info.setup));
+    for (const json& finding : all["findings"]) findings.push_back(finding);
+    all["findings"] = findings;
+    all["images"] = info.setup.images.size();
+    all["control_points"] = control_points(*adjustment, info.setup);
   }
   all["steps"] = steps(info);
   return all.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
@@ -88,15 +95,23 @@ std::string info_text(const ProjectInfo& info) {
   line("images", fmt::format("{} ({} oriented)", info.setup.images.size(), orientation.oriented));
   line("cameras", std::to_string(info.setup.cameras.size()));
   line("map", info.setup.georeference ? info.setup.georeference->crs : "none: local gauge");
-  line("tie points", fmt::format("{} with {} observations", orientation.tie_points, orientation.observations));
-  line("mean reprojection", number_text(found ? std::optional(orientation.mean_reprojection_px) : std::nullopt, "px"));
+  const AdjustmentRecord* adjusted = info.adjustment();
+  const AdjustmentRecord adjustment = adjusted ? *adjusted : AdjustmentRecord{};
+  line("tie points", fmt::format("{} with {} observations", adjusted ? adjustment.tie_points : orientation.tie_points,
+                                 adjusted ? adjustment.observations : orientation.observations));
+  line("mean reprojection",
+       number_text(adjusted ? std::optional(adjustment.mean_reprojection_px)
+                            : found ? std::optional(orientation.mean_reprojection_px) : std::nullopt, "px"));
+  if (adjusted) line("adjustment", fmt::format("sigma0 {:.3f}, redundancy {}", adjustment.sigma0, adjustment.redundancy));
+  if (found && !adjusted) line("adjustment", "not adjusted yet: no standard deviations");
   line("ground sample", number_text(orientation.gsd_m(), "m"));
-  line("control RMSE", axes_text(orientation.control_rmse_m));
-  line("check RMSE", axes_text(orientation.check_rmse_m));
+  line("control RMSE", axes_text(adjustment.control_rmse_m));
+  line("check RMSE", axes_text(adjustment.check_rmse_m));
   for (const StepRecord& step : info.steps)
     line("step " + step.name(), fmt::format("{:8.1f} s {:8.1f} CPU-s {:6.0f} MB", step.seconds, step.cpu_seconds,
                                             step.peak_memory_bytes / 1e6));
-  for (const Finding& finding : orientation.findings) line("note", sentence_of(finding, info.setup, flag_of));
+  for (const auto& findings : {orientation.findings, adjustment.findings})
+    for (const Finding& finding : findings) line("note", sentence_of(finding, info.setup, flag_of));
   return text;
 }
 

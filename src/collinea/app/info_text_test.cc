@@ -28,24 +28,26 @@ ProjectInfo oriented() {
                            .oriented = 1,
                            .tie_points = 30,
                            .observations = 75,
-                           .mean_reprojection_px = 0.45678,
+                           .mean_reprojection_px = 0.5,
                            .pixel_size = 0.0204,
                            .metric = true,
                            .gauge = {.map = "EPSG:32633", .by_control = true},
                            .findings = {finding_of(FindingCode::kLocalGauge)}};
-  record.control_rmse_m = {0.01, 0.0204, std::nullopt};
   record.not_oriented = {{1}};
-  ControlDifference& used = record.control.emplace_back();
+  AdjustmentRecord adjusted{.tie_points = 29, .observations = 73, .mean_reprojection_px = 0.45678, .sigma0 = 1.01};
+  adjusted.control_rmse_m = {0.01, 0.0204, std::nullopt};
+  ControlDifference& used = adjusted.control.emplace_back();
   used.point = {2};
   used.used = true;
   used.rays = 4;
   used.difference_m = {0.02, -0.07, std::nan("")};
   used.difference_sigma_m = {0.02, 0.02, std::nan("")};
-  ControlDifference& wrong = record.control.emplace_back();
+  ControlDifference& wrong = adjusted.control.emplace_back();
   wrong.point = {5};
   wrong.excluded = true;
-  record.control.emplace_back().point = {77};  // set up no more
-  info.steps = {{"a", "b", 1.5, 2.5, 3e6, DetectRecord{.images = 2, .features = 9}}, {"b", "c", 4, 5, 6e6, record}};
+  adjusted.control.emplace_back().point = {77};  // set up no more
+  info.steps = {{"a", "b", 1.5, 2.5, 3e6, DetectRecord{.images = 2, .features = 9}}, {"b", "c", 4, 5, 6e6, record},
+                {"c", "d", 1, 2, 3e6, adjusted}};
   return info;
 }
 
@@ -70,7 +72,7 @@ TEST(InfoText, TheOrientationIsStatedUnderItsKeys) {
   const json info = json::parse(info_json(oriented()));
   EXPECT_EQ(info.at("crs"), "EPSG:32633");
   EXPECT_EQ(info.at("oriented"), 1);
-  EXPECT_EQ(info.at("tie_points"), 30);
+  EXPECT_EQ(info.at("tie_points"), 29);
   EXPECT_EQ(info.at("gsd_m"), 0.0204);
   EXPECT_EQ(info.at("control_rmse_m").dump(), "[0.01,0.0204,null]");
   EXPECT_TRUE(info.at("check_rmse_m").is_null());
@@ -80,7 +82,7 @@ TEST(InfoText, TheOrientationIsStatedUnderItsKeys) {
   EXPECT_EQ(info.at("findings").at(0).at("code"), "local_gauge");
   EXPECT_EQ(info.at("findings").at(0).at("severity"), "note");
   EXPECT_EQ(info.at("calibration"), "none");
-  ASSERT_EQ(info.at("steps").size(), 2u);
+  ASSERT_EQ(info.at("steps").size(), 3u);
   EXPECT_EQ(info.at("steps").at(0).at("name"), "detect");
   EXPECT_EQ(info.at("steps").at(0).at("cpu_seconds"), 2.5);
   EXPECT_EQ(info.at("steps").at(0).at("figures").at("features"), 9);
@@ -103,7 +105,7 @@ TEST(InfoText, PeopleReadTheSameFigures) {
   const std::string text = info_text(oriented());
   for (const char* line :
        {"images                 2 (1 oriented)", "map                    EPSG:32633",
-        "tie points             30 with 75 observations", "mean reprojection      0.4568 px",
+        "tie points             29 with 73 observations", "mean reprojection      0.4568 px",
         "ground sample          0.0204 m", "control RMSE           0.010 / 0.020 / - m (east / north / height)",
         "check RMSE             none", "step detect                 1.5 s      2.5 CPU-s      3 MB",
         "note                   Positions and control do not fix where the block lies (fewer than three, or all "

@@ -40,20 +40,19 @@ TEST_P(AdjustFileRoundTrip, WhatAProjectExportsGivesTheSameAdjustment) {
   auto project = open_small_survey(folder / "block");
   ASSERT_TRUE(project && bring_up_to(*project, Step::kOrient));
   const auto file = folder / "block.txt";
-  AdjustProjectOptions options;
+  AdjustmentOptions options;
   if (GetParam()) {
     options.instruments = {.lever_arm = "estimate",
                            .position_shift = PositionShift::kBlock,
                            .position_drift = true,
                            .time_offset = true,
                            .use_attitudes = true};
-    options.changed_instruments = {"lever_arm", "position_shift", "position_drift", "time_offset", "use_attitudes"};
   }
   ASSERT_TRUE(export_adjustment(*project, options, file));
-  ASSERT_TRUE(adjust_project(*project, options));
+  ASSERT_TRUE(try_adjustment(*project, options, folder / "trial"));
   const auto done = adjust_file(file, folder / "out", {}, {});
   ASSERT_TRUE(done) << done.error().message;
-  const json ours = report_in(folder / "block" / "adjustment"), again = report_in(folder / "out");
+  const json ours = report_in(folder / "trial"), again = report_in(folder / "out");
   EXPECT_EQ(ours.at("redundancy"), again.at("redundancy"));
   EXPECT_EQ(ours.at("unknowns"), again.at("unknowns"));
   ASSERT_EQ(ours.contains("auxiliary_unknowns"), GetParam());
@@ -70,8 +69,10 @@ TEST_P(AdjustFileRoundTrip, WhatAProjectExportsGivesTheSameAdjustment) {
     // What is asked otherwise takes the place of what the file says.
     const auto without =
         adjust_file(file, folder / "out",
-                    {.instruments = {.lever_arm = "0,0,0.1"},
-                     .changed_instruments = {"lever_arm", "position_shift", "time_offset", "use_attitudes"}},
+                    {.instruments = {.lever_arm = "0,0,0.1",
+                                     .position_shift = PositionShift::kNone,
+                                     .time_offset = false,
+                                     .use_attitudes = false}},
                     {});
     ASSERT_TRUE(without) << without.error().message;
     EXPECT_FALSE(report_in(folder / "out").contains("auxiliary_unknowns"));
@@ -265,15 +266,15 @@ TEST(AdjustFile, AdditionalParametersAreTestedAndKept) {
   survey.control_points = 8;
   auto project = open_simulated(folder / "block", survey, {.points_per_image = 150, .wrong_share = 0});
   ASSERT_TRUE(project && bring_up_to(*project, Step::kOrient));
-  const AdjustProjectOptions asked{.additional = AdditionalSet::kEbner, .additional_fixed = "a3"};
-  const auto adjusted = adjust_project(*project, asked);
+  const AdjustmentOptions asked{.additional = AdditionalSet::kEbner, .additional_fixed = "a3"};
+  const auto adjusted = try_adjustment(*project, asked, folder / "trial");
   ASSERT_TRUE(adjusted) << adjusted.error().message;
   ASSERT_EQ(adjusted->additional.size(), 1u);
   EXPECT_EQ(adjusted->additional[0].parameters.size(), 11u);
   ASSERT_TRUE(export_adjustment(*project, asked, folder / "block.txt"));
   const auto done = adjust_file(folder / "block.txt", folder / "out", {}, {});
   ASSERT_TRUE(done) << done.error().message;
-  const json ours = report_in(folder / "block" / "adjustment"), again = report_in(folder / "out");
+  const json ours = report_in(folder / "trial"), again = report_in(folder / "out");
   ASSERT_EQ(ours.at("additional").size(), 1u);
   const json &test = ours.at("additional").at(0), &other = again.at("additional").at(0);
   EXPECT_EQ(test.at("set"), "ebner");
@@ -289,11 +290,11 @@ TEST(AdjustFile, AdditionalParametersAreTestedAndKept) {
   EXPECT_TRUE(parameters.contains("a12"));
   EXPECT_FALSE(parameters.at("p1").contains("sigma"));  // the set says the same
   EXPECT_NE(read_file(folder / "out" / "adjustment.html")->find("<h2>Additional parameters</h2>"), std::string::npos);
-  for (const AdjustProjectOptions& wrong :
-       {AdjustProjectOptions{.additional = AdditionalSet::kEbner, .additional_fixed = "a13"},
-        AdjustProjectOptions{.additional_fixed = "a1"}})
-    EXPECT_EQ(adjust_project(*project, wrong).error().code, Errc::kBadInput);
-  const auto bent = adjust_project(*project, {.refraction = true});
+  for (const AdjustmentOptions& wrong :
+       {AdjustmentOptions{.additional = AdditionalSet::kEbner, .additional_fixed = "a13"},
+        AdjustmentOptions{.additional_fixed = "a1"}})
+    EXPECT_EQ(try_adjustment(*project, wrong, folder / "trial").error().code, Errc::kBadInput);
+  const auto bent = try_adjustment(*project, {.refraction = true}, folder / "trial");
   ASSERT_TRUE(bent) << bent.error().message;
 }
 

@@ -8,191 +8,30 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
-#include <set>
 
-#include "collinea/adjust/refraction.h"
 #include "collinea/base/file.h"
 #include "collinea/io/adjustment_file.h"
 #include "collinea/io/dbat_script.h"
 #include "collinea/io/photomodeler.h"
-#include "collinea/io/text.h"
-#include "collinea/jobs/internal/adjusted_report.h"
-#include "collinea/orient/additional.h"
 #include "collinea/orient/approximate.h"
-#include "collinea/quality/control_check.h"
+#include "collinea/orient/instrument_options.h"
+#include "collinea/project/adjustment_task.h"
 
 namespace collinea {
 namespace {
 
-Result<OrientationRecord> orientation_of(const Project& project) {
-  return project.store.read_outcome<OrientationRecord>().map_error([&](Error error) {
-    return error.code == Errc::kNotFound
-               ? Error{error.code, "the block is not oriented yet: collinea orient " + project.folder.string()}
-               : error;
-  });
-}
-
-// As orientation calibrated them. Where it fixed the poses of another program it also keeps what came with them.
-Calibration calibration_of(const OrientationRecord& orientation) {
-  return orientation.holds_given_poses ? Calibration::kNone : orientation.calibration.parameters;
-}
-
-// What orientation did without, or shall be done without, is compared all the same.
-void choose_geodetic(Block& block, const OrientationRecord& orientation, bool use_geodetic) {
-  std::set<std::size_t> used;
-  for (const GeodeticDifference& one : orientation.geodetic)
-    if (one.used) used.insert(one.observation);
-  for (std::size_t i = 0; i < block.geodetic.size(); ++i)
-    if (!use_geodetic || !used.contains(i)) block.geodetic[i].role = ControlRole::kCheck;
-}
-
-void change_instruments(const AdjustProjectOptions& asked, InstrumentOptions& instruments) {
-  assign_fields(asked.instruments, instruments,
-                [&](std::string_view name) { return asked.changed_instruments.contains(name); });
-}
-
-// As orientation used them, and what is asked otherwise.
-InstrumentOptions instruments_of(const OrientationRecord& orientation, const AdjustProjectOptions& asked) {
-  InstrumentOptions instruments = orientation.instruments;
-  change_instruments(asked, instruments);
-  return instruments;
-}
-
-ExamineOptions options_of(const AdjustProjectOptions& asked, Calibration calibration) {
-  ExamineOptions options;
-  options.adjust.calibration = calibration;
-  options.adjust.loss = options.adjust.position_loss = asked.loss;
-  options.adjust.loss_scale_sigmas = asked.loss_scale_sigmas;
-  options.reliability = options.point_covariances = true;
-  options.test = asked.tests;
-  // What is signed is iterated until a step is a thousandth of the standard deviations; that is a step or two more.
-  options.adjust.relative_cost_change = 1e-12;
-  options.adjust.step_sigmas = 1e-3;
-  return options;
-}
-
-// What orientation found control to be worth, and where it moved the positions.
-void judge_as_orient_did(const OrientationRecord& orientation, bool shift_positions, Block& block, const Run& run) {
-  const SigmaFactors factors = factors_of(orientation.sigma_factors);
-  block = with_sigmas(block, factors);
-  const Eigen::Vector3d shift_m = shift_positions ? orientation.position_shift_m : Eigen::Vector3d(0, 0, 0);
-  if (!shift_m.isZero())
-    for (auto& [id, image] : block.images)
-      if (image.position) image.position->position_in_world += shift_m;
-  if (const std::string found = judgement_words(factors, shift_m); !found.empty())
-    run.say(fmt::format("note: as orientation found: {}; {} takes what was stated", found,
-                        run.spelled("given_sigmas"_option)));
-}
-
-/// All that is needed to adjust and to report.
-struct Task {
-  std::string title;
-  Block block;
-  AdjustScope scope;
-  ExamineOptions options;
-};
-
-std::vector<std::string> words_in(const std::string& list) {
-  std::vector<std::string> words;
-  for (const std::string_view field : fields_of(list, ','))
-    if (!trimmed(field).empty()) words.emplace_back(trimmed(field));
-  return words;
-}
-
-// Gives the cameras the additional set that was asked for, free or fixed. A camera with another set begins at zero.
-Result<> set_additional(const AdjustProjectOptions& asked, Task& task, const Run& run) {
-  const std::optional<AdditionalSet>& wanted = asked.additional;
-  const std::vector<std::string> fixed = words_in(asked.additional_fixed);
-  std::set<std::string> instead;
-  bool any = false;
-  for (auto& [id, camera] : task.block.cameras) {
-    const auto own = task.scope.camera_sigmas.find(id);
-    Camera& first = task.scope.first_cameras.try_emplace(id, camera).first->second;
-    if (wanted)
-      for (Camera* one : {&camera, &first}) {
-        if (one->additional != *wanted) std::fill(one->params.begin() + Camera::kParams, one->params.end(), 0.0);
-        one->additional = *wanted;
-      }
-    else
-      first.additional = camera.additional;  // found by orient, around zero
-    if (camera.additional == AdditionalSet::kNone) continue;
-    any = true;
-    if (own != task.scope.camera_sigmas.end() && !wanted && fixed.empty()) continue;
-    CameraSigmas sigmas{};  // a camera that was given stays as it is beneath them
-    if (own != task.scope.camera_sigmas.end())
-      sigmas = own->second;
-    else if (camera.prior.calibrate)
-      sigmas = calibration_sigmas(task.options.adjust.calibration, first);
-    const auto both = with_additional(sigmas, first, fixed);
-    if (!both)
-      return fail(Errc::kBadInput,
-                  "additional_fixed = \"" + asked.additional_fixed + "\": the " +
-                      std::to_string(count_of(camera.additional)) + " parameters of " +
-                      std::string(kAdditionalNames[std::size_t(camera.additional)]) + " are a1 to a" +
-                      std::to_string(count_of(camera.additional)),
-                  {"additional_fixed"_option});
-    for (int k = 0; k < Camera::kParams; ++k)
-      if (sigmas[std::size_t(k)] > 0 && (*both)[std::size_t(k)] == 0) instead.insert(param_name(k));
-    task.scope.camera_sigmas[id] = *both;
-  }
-  if (!fixed.empty() && !any)
-    return fail(Errc::kBadInput, "additional parameters are to be fixed, but no camera has any",
-                {"additional_fixed"_option, "additional"_option});
-  if (!instead.empty()) {
-    std::string names;
-    for (const std::string& one : instead) names += (names.empty() ? "" : ", ") + one;
-    run.say("note: fixed, because the additional parameters say the same: " + names);
-  }
-  return {};
-}
-
-Result<Task> task_of(const Project& project, const AdjustProjectOptions& asked) {
-  if (Result<> valid = validate(asked); !valid) return tl::unexpected(std::move(valid).error().within("adjust"));
-  COLLINEA_TRY(const OrientationRecord orientation, orientation_of(project));
-  COLLINEA_TRY(const Block setup, project.store.read_setup());
-  Task task;
-  COLLINEA_TRY(task.block, project.store.read_block());
-  task.scope = {.first_cameras = setup.cameras,
-                .use_positions = asked.use_positions && orientation.position_rms_m.has_value(),
-                .use_control = asked.use_control && orientation.control_rmse_m.has_value()};
-  const InstrumentOptions instruments = instruments_of(orientation, asked);
-  if (task.scope.use_positions && task.scope.use_control) {
-    ControlDiagnosis diagnosis = check_control(task.block, project.settings.seed);
-    if (instruments.position_shift != PositionShift::kNone) expect_shift(diagnosis);
-    apply(diagnosis, task.block);
-  }
-  if (asked.snoop) task.block.control_observations = setup.control_observations;  // those that orient rejected too
-  if (task.scope.use_control && !asked.given_sigmas)
-    judge_as_orient_did(orientation, instruments.position_shift == PositionShift::kNone, task.block, project.run);
-  choose_geodetic(task.block, orientation, asked.use_geodetic);
-  if (Result<> known = add_instruments(task.block, instruments, task.scope); !known)
-    return tl::unexpected(known.error());
-  task.options = options_of(asked, asked.calibration ? *asked.calibration : calibration_of(orientation));
-  if (Result<> added = set_additional(asked, task, project.run); !added) return tl::unexpected(added.error());
-  std::error_code error;
-  task.title = std::filesystem::absolute(project.folder, error).lexically_normal().filename().string();
-  return task;
-}
-
-Result<> correct_rays(const AdjustProjectOptions& asked, Block& block, const Run& run) {
-  if (!asked.refraction) return {};
-  COLLINEA_TRY(const Refracted done, correct_refraction(block));
-  run.say(fmt::format("refraction: {} measurements corrected by up to {:.3f} px{}", done.corrected, done.largest_px,
-                      done.left == 0 ? "" : fmt::format("; {} left, more than 75 degrees from the nadir", done.left)));
-  return {};
-}
-
-Result<AdjustmentReport> adjust_task(Task task, const AdjustProjectOptions& asked, const std::filesystem::path& folder,
-                                     const Run& run) {
-  if (Result<> corrected = correct_rays(asked, task.block, run); !corrected) return tl::unexpected(corrected.error());
-  COLLINEA_TRY(AdjustmentReport report, adjusted_report(std::move(task.block), task.scope, task.options, asked, run));
-  report.title = task.title;
+Result<AdjustmentReport> adjust_task(AdjustmentTask task, std::string title, const AdjustmentOptions& asked,
+                                     const std::filesystem::path& folder, const Run& run) {
+  AdjustmentReport report;
+  COLLINEA_TRY(static_cast<Adjustment&>(report), adjust_block(std::move(task), asked, run));
+  report.title = std::move(title);
+  for (const std::string& note : notes_of(report)) run.say("note: " + note);
   COLLINEA_TRY(write_adjustment(report, folder));
   return report;
 }
 
 // Only what takes part: nothing of an image that orientation left out.
-AdjustmentFile file_of(const Task& task) {
+AdjustmentFile file_of(const AdjustmentTask& task) {
   AdjustmentFile file;
   file.block = task.block;
   Block& block = file.block;
@@ -253,15 +92,14 @@ Result<> complete(Block& block, const Run& run) {
 }
 
 // Those of the file, but for what is asked otherwise.
-Result<> add_instruments_of_file(AdjustmentFile& file, const AdjustProjectOptions& asked, AdjustScope& scope) {
+Result<> add_instruments_of_file(AdjustmentFile& file, const InstrumentChanges& asked, AdjustScope& scope) {
   Instruments& given = file.instruments;
-  const bool is_shift_changed = asked.changed_instruments.contains("position_shift");
   InstrumentOptions options;
   options.time_offset = !given.time_offset_sigma_s.empty();
   options.use_attitudes = !given.attitudes.empty();
-  change_instruments(asked, options);
+  options = changed(options, asked);
   if (options.lever_arm) given.lever_arms.clear();
-  if (is_shift_changed) given.position_tracks.clear();
+  if (asked.position_shift) given.position_tracks.clear();
   if (!options.time_offset) given.time_offset_sigma_s.clear();
   if (!options.use_attitudes) given.attitudes.clear();
   options.time_offset &= given.time_offset_sigma_s.empty();
@@ -284,19 +122,20 @@ void set_calibration(const std::optional<Calibration>& asked, const AdjustmentFi
 
 }  // namespace
 
-Result<AdjustmentReport> adjust_project(const Project& project, const AdjustProjectOptions& asked) {
-  COLLINEA_TRY(Task task, task_of(project, asked));
-  return adjust_task(std::move(task), asked, project.folder / "adjustment", project.run);
+Result<AdjustmentReport> try_adjustment(const Project& project, const AdjustmentOptions& asked,
+                                        const std::filesystem::path& folder) {
+  COLLINEA_TRY(ProjectAdjustment begun, adjustment_of(project, asked));
+  return adjust_task(std::move(begun.task), title_of(project), asked, folder, project.run);
 }
 
-Result<> export_adjustment(const Project& project, const AdjustProjectOptions& asked,
+Result<> export_adjustment(const Project& project, const AdjustmentOptions& asked,
                            const std::filesystem::path& file) {
-  COLLINEA_TRY(const Task task, task_of(project, asked));
-  return write_adjustment_file(file, file_of(task));
+  COLLINEA_TRY(const ProjectAdjustment begun, adjustment_of(project, asked));
+  return write_adjustment_file(file, file_of(begun.task));
 }
 
 Result<AdjustmentReport> adjust_file(const std::filesystem::path& path, const std::filesystem::path& folder,
-                                     const AdjustProjectOptions& asked, const Run& run) {
+                                     const AdjustmentOptions& asked, const Run& run) {
   if (Result<> valid = validate(asked); !valid) return tl::unexpected(std::move(valid).error().within("adjust"));
   if (asked.given_sigmas)
     return fail(Errc::kBadInput,
@@ -306,21 +145,21 @@ Result<AdjustmentReport> adjust_file(const std::filesystem::path& path, const st
   COLLINEA_TRY(AdjustmentFile file, read_adjustment(path));
   if (Result<> completed = complete(file.block, run); !completed)
     return tl::unexpected(std::move(completed).error().within(path.string()));
-  Task task{.title = path.stem().string(),
-            .block = {},
-            .scope = {.fixed_images = file.fixed_images,
-                      .first_cameras = file.given_cameras,
-                      .corrected_cameras = file.corrected_cameras,
-                      .use_positions = asked.use_positions,
-                      .use_control = asked.use_control},
-            .options = options_of(asked, Calibration::kNone)};
+  AdjustmentTask task{.block = {},
+                      .scope = {.fixed_images = file.fixed_images,
+                                .first_cameras = file.given_cameras,
+                                .corrected_cameras = file.corrected_cameras,
+                                .use_positions = asked.use_positions,
+                                .use_control = asked.use_control},
+                      .options = examine_options(asked, Calibration::kNone)};
   set_calibration(asked.calibration, file, task.scope);
   if (!asked.use_geodetic)
     for (GeodeticObservation& measured : file.block.geodetic) measured.role = ControlRole::kCheck;
-  if (Result<> known = add_instruments_of_file(file, asked, task.scope); !known) return tl::unexpected(known.error());
+  COLLINEA_TRY(add_instruments_of_file(file, asked.instruments, task.scope));
   task.block = std::move(file.block);
-  if (Result<> added = set_additional(asked, task, run); !added) return tl::unexpected(added.error());
-  return adjust_task(std::move(task), asked, folder, run);
+  COLLINEA_TRY(const std::vector<std::string> instead, set_additional(asked, task));
+  if (const std::string note = fixed_instead_words(instead); !note.empty()) run.say("note: " + note);
+  return adjust_task(std::move(task), path.stem().string(), asked, folder, run);
 }
 
 Result<> convert_adjustment(const std::filesystem::path& path, const std::filesystem::path& converted) {

@@ -19,20 +19,21 @@
 namespace collinea {
 namespace {
 
-TEST(AdjustProject, WritesReportAndTablesAndLeavesTheProjectAsItIs) {
+TEST(AdjustProject, ATrialWritesReportAndTablesAndLeavesTheProjectAsItIs) {
   const TestFolder folder;
   auto project = open_small_survey(folder / "block");
   ASSERT_TRUE(project) << project.error().message;
-  const auto early = adjust_project(*project, {});
+  const std::filesystem::path out = folder / "trial";
+  const auto early = try_adjustment(*project, {}, out);
   ASSERT_FALSE(early);
   EXPECT_EQ(early.error().code, Errc::kNotFound);
   ASSERT_TRUE(bring_up_to(*project, Step::kOrient));
   const Block before = *project->store.read_block();
 
   for (const bool components : {false, true}) {
-    const auto done = adjust_project(*project, {.variance_components = components});
+    const auto done = try_adjustment(*project, {.variance_components = components}, out);
     ASSERT_TRUE(done) << done.error().message;
-    const nlohmann::json report = report_in(folder / "block" / "adjustment");
+    const nlohmann::json report = report_in(out);
     EXPECT_EQ(report.at("sigma0").get<double>(), done->adjusted.sigma0);
     // Orientation left sigmas as the residuals show them: sigma0 is 1 within four of its standard deviations
     // (chi-squared with the redundancy); variance components are repeated until 1 %.
@@ -46,8 +47,10 @@ TEST(AdjustProject, WritesReportAndTablesAndLeavesTheProjectAsItIs) {
   }
   for (const char* name :
        {"poses.csv", "cameras.csv", "points.csv", "control.csv", "observations.csv", "suspects.csv", "adjustment.html"})
-    EXPECT_GT(std::filesystem::file_size(folder / "block" / "adjustment" / name), 20u) << name;
+    EXPECT_GT(std::filesystem::file_size(out / name), 20u) << name;
   const Block after = *project->store.read_block();
+  EXPECT_FALSE(project->store.read_step("adjust")->has_value());
+  EXPECT_FALSE(std::filesystem::exists(folder / "block" / "adjustment"));
   for (const auto& [id, pose] : oriented_images(before)) EXPECT_EQ(pose.translation, pose_of(after, id).translation);
 }
 
@@ -57,9 +60,9 @@ TEST(AdjustProject, SnoopingTakesOutWhatIsWrongInAProject) {
   auto project = open_small_survey(folder / "block");
   ASSERT_TRUE(project && bring_up_to(*project, Step::kOrient));
   const auto report_of = [&](bool snoop) {
-    const auto done = adjust_project(*project, {.loss = Loss::kNone, .snoop = snoop});
+    const auto done = try_adjustment(*project, {.loss = Loss::kNone, .snoop = snoop}, folder / "trial");
     EXPECT_TRUE(done) << done.error().message;
-    return report_in(folder / "block" / "adjustment");
+    return report_in(folder / "trial");
   };
   const double sigma0 = report_of(true).at("sigma0").get<double>();
   Block block = *project->store.read_block();
@@ -77,13 +80,13 @@ TEST(AdjustProject, SnoopingTakesOutWhatIsWrongInAProject) {
   ASSERT_EQ(wrong.size(), 5u);
   ASSERT_TRUE(project->store.write_orientation(block));
   EXPECT_FALSE(report_of(false).contains("snooping"));
-  EXPECT_FALSE(std::filesystem::exists(folder / "block" / "adjustment" / "rejected.csv"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "trial" / "rejected.csv"));
   const nlohmann::json report = report_of(true);
   EXPECT_NEAR(report.at("sigma0").get<double>(), sigma0, 0.02 * sigma0);
   const nlohmann::json& snooping = report.at("snooping");
   EXPECT_TRUE(snooping.at("finished").get<bool>());
   EXPECT_GT(snooping.at("sigma0_before").get<double>(), 1.05 * sigma0);
-  std::ifstream file(folder / "block" / "adjustment" / "rejected.csv");
+  std::ifstream file(folder / "trial" / "rejected.csv");
   const std::string table{std::istreambuf_iterator<char>(file), {}};
   for (const std::string& name : wrong) {
     EXPECT_NE(table.find(name), std::string::npos) << name;
@@ -99,7 +102,7 @@ TEST(AdjustProject, RefusesOptionsOutOfRange) {
   survey.images = 6;
   auto project = open_simulated(folder / "block", survey, {.points_per_image = 80});
   ASSERT_TRUE(project && bring_up_to(*project, Step::kOrient));
-  const auto done = adjust_project(*project, {.tests = {.folds = 1}});
+  const auto done = try_adjustment(*project, {.tests = {.folds = 1}}, folder / "trial");
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, Errc::kBadInput);
   EXPECT_EQ(done.error().options, std::vector{"folds"_option});

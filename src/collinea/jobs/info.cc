@@ -5,11 +5,19 @@
 
 namespace collinea {
 
-const OrientationRecord* ProjectInfo::orientation() const {
+namespace {
+
+template <class Record>
+const Record* record_in(const std::vector<StepRecord>& steps) {
   for (const StepRecord& step : steps)
-    if (const auto* record = std::get_if<OrientationRecord>(&step.outcome)) return record;
+    if (const auto* record = std::get_if<Record>(&step.outcome)) return record;
   return nullptr;
 }
+
+}  // namespace
+
+const OrientationRecord* ProjectInfo::orientation() const { return record_in<OrientationRecord>(steps); }
+const AdjustmentRecord* ProjectInfo::adjustment() const { return record_in<AdjustmentRecord>(steps); }
 
 Result<ProjectInfo> project_info(const ProjectStore& store) {
   ProjectInfo info;

@@ -14,6 +14,8 @@ struct ProjectInfo {
 
   /// Null: not oriented yet.
   [[nodiscard]] const OrientationRecord* orientation() const;
+  /// Null: not adjusted yet.
+  [[nodiscard]] const AdjustmentRecord* adjustment() const;
 };
 
 [[nodiscard]] Result<ProjectInfo> project_info(const ProjectStore& store);

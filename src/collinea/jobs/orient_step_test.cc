@@ -34,7 +34,7 @@ class OrientStepTest : public testing::Test {
   }
   void orient() {
     ASSERT_TRUE(project_->store.write_setup(setup_));
-    const auto done = bring_up_to(*project_, Step::kOrient);
+    const auto done = bring_up_to(*project_, Step::kAdjust);
     ASSERT_TRUE(done) << done.error().message;
   }
   [[nodiscard]] OrientationRecord record() const {
@@ -42,8 +42,14 @@ class OrientStepTest : public testing::Test {
     EXPECT_TRUE(found) << found.error().message;
     return *found;
   }
+  [[nodiscard]] AdjustmentRecord adjustment() const {
+    const auto found = project_->store.read_outcome<AdjustmentRecord>();
+    EXPECT_TRUE(found) << found.error().message;
+    return *found;
+  }
   [[nodiscard]] bool finds(std::string_view words) const {
-    const std::vector<Finding> findings = record().findings;
+    std::vector<Finding> findings = record().findings;
+    for (const Finding& more : adjustment().findings) findings.push_back(more);
     return std::any_of(findings.begin(), findings.end(),
                        [&](const Finding& one) { return sentence_of(one, setup_).find(words) != std::string::npos; });
   }
@@ -69,7 +75,7 @@ TEST_F(OrientStepTest, ControlThatWasFoundWrongIsInReportAndInfoWithWhatItIsOff)
   ASSERT_EQ(wrong.role, ControlRole::kControl);
   wrong.position_in_world.x() += 3;
   orient();
-  const ControlDifference listed = record().control.back();
+  const ControlDifference listed = adjustment().control.back();
   EXPECT_EQ(listed.point, setup_.control.begin()->first);
   EXPECT_TRUE(listed.excluded);
   EXPECT_NEAR(listed.difference_m.x(), -3, 0.2);
@@ -136,13 +142,13 @@ TEST_F(OrientStepTest, DistancesMakeABlockWithoutPositionMetric) {
   EXPECT_LT(std::abs(check.at("difference").get<double>()), 4 * check.at("sigma").get<double>());
   EXPECT_LT(check.at("sigma").get<double>(), 0.1);
 
-  ASSERT_TRUE(adjust_project(*project_, {}));
+  ASSERT_TRUE(try_adjustment(*project_, {}, folder_ / "trial"));
   const nlohmann::json adjusted =
-      nlohmann::json::parse(*read_file(folder_ / "block" / "adjustment" / "adjustment.json"));
+      nlohmann::json::parse(*read_file(folder_ / "trial" / "adjustment.json"));
   ASSERT_EQ(adjusted.at("geodetic").size(), 4u);
   EXPECT_EQ(adjusted.at("geodetic").at(0).at("role"), "control");
   EXPECT_EQ(adjusted.at("geodetic").at(2).at("role"), "check");  // what orientation left out stays out
-  EXPECT_NE(read_file(folder_ / "block" / "adjustment" / "geodetic.csv")->find("\"distance\",m,check"),
+  EXPECT_NE(read_file(folder_ / "trial" / "geodetic.csv")->find("\"distance\",m,check"),
             std::string::npos);
 }
 
@@ -166,7 +172,7 @@ class InstrumentsTest : public OrientStepTest {
     for (auto& [id, image] : setup_.images) image.position->position_in_world += kShift + kOffset_s * velocities.at(id);
   }
   [[nodiscard]] nlohmann::json adjusted() {
-    return nlohmann::json::parse(*read_file(folder_ / "block" / "adjustment" / "adjustment.json"));
+    return nlohmann::json::parse(*read_file(folder_ / "trial" / "adjustment.json"));
   }
   static void expect_found(const nlohmann::json& unknowns) {
     int found = 0;
@@ -198,12 +204,13 @@ TEST_F(InstrumentsTest, AreFoundByOrientAndTakenOverByAdjust) {
   EXPECT_TRUE(finds("The shift of positions of strip 1 is +0."));
   EXPECT_TRUE(finds("The time offset of positions of"));
   EXPECT_FALSE(finds("GPS heights lie"));  // that is the shift
-  const auto done = adjust_project(*project_, {});
+  const auto done = try_adjustment(*project_, {}, folder_ / "trial");
   ASSERT_TRUE(done) << done.error().message;
   expect_found(adjusted().at("auxiliary_unknowns"));
   EXPECT_NEAR(adjusted().at("sigma0").get<double>(), 1, 0.1);
   // Without any of it: what orient found is left out, and the positions contradict.
-  const auto without = adjust_project(*project_, {.changed_instruments = {"position_shift", "time_offset"}});
+  const auto without = try_adjustment(
+      *project_, {.instruments = {.position_shift = PositionShift::kNone, .time_offset = false}}, folder_ / "trial");
   ASSERT_TRUE(without) << without.error().message;
   EXPECT_FALSE(adjusted().contains("auxiliary_unknowns"));
 }
@@ -213,7 +220,7 @@ TEST_F(InstrumentsTest, AShiftNeedsControl) {
   project_->settings.orient.use_control = false;
   orient();
   EXPECT_TRUE(finds("No control point separates a shift of the positions"));
-  ASSERT_TRUE(adjust_project(*project_, {}));
+  ASSERT_TRUE(try_adjustment(*project_, {}, folder_ / "trial"));
   EXPECT_FALSE(
       adjusted().contains("auxiliary_unknowns"));  // adjust takes over what orient did, not what it was asked for
 }

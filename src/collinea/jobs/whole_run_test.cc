@@ -117,15 +117,17 @@ void WholeProject::info_tells_what_is_known() {
   EXPECT_LT(oriented.mean_reprojection_px, 1.0);
   ASSERT_TRUE(oriented.gsd_m());
   EXPECT_NEAR(*oriented.gsd_m(), 0.2, 0.04);
-  EXPECT_TRUE(oriented.control_rmse_m);
-  EXPECT_TRUE(oriented.check_rmse_m);
-  ASSERT_FALSE(oriented.control.empty());
-  for (const ControlDifference& point : oriented.control)
+  ASSERT_NE(info->adjustment(), nullptr);
+  const AdjustmentRecord& adjusted = *info->adjustment();
+  EXPECT_TRUE(adjusted.control_rmse_m);
+  EXPECT_TRUE(adjusted.check_rmse_m);
+  ASSERT_FALSE(adjusted.control.empty());
+  for (const ControlDifference& point : adjusted.control)
     for (int axis = 0; axis < 3; ++axis) {
       EXPECT_GT(point.difference_sigma_m[axis], 0) << point.point.value;
       EXPECT_LT(point.difference_sigma_m[axis], 1) << point.point.value;
     }
-  ASSERT_EQ(info->steps.size(), 9u);
+  ASSERT_EQ(info->steps.size(), 10u);
   EXPECT_EQ(info->steps.front().name(), "import");
 }
 

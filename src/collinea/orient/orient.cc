@@ -7,11 +7,10 @@
 
 #include "collinea/math/median.h"
 #include "collinea/orient/additional.h"
+#include "collinea/orient/adjusted_findings.h"
 #include "collinea/orient/internal/block_parts.h"
 #include "collinea/orient/internal/control_adjustment.h"
-#include "collinea/orient/internal/geodetic_findings.h"
 #include "collinea/orient/internal/incremental.h"
-#include "collinea/orient/internal/instrument_findings.h"
 #include "collinea/orient/internal/placement.h"
 #include "collinea/orient/internal/usable_instruments.h"
 #include "collinea/orient/internal/weak_cases.h"
@@ -163,9 +162,9 @@ std::vector<ImageId> images_alone(const Orientation& result) {
 
 // The block as a value, what it does not contain, and what its geodetic observations and instruments show.
 void finish(const Reconstruction& part, Orientation& result) {
-  add(result, geodetic_findings(part.setup(), result.adjusted, result.excluded_geodetic));
   result.block = part.block();
-  add(result, instrument_findings(result.adjusted));
+  result.adjusted_findings =
+      adjusted_findings(result.block, result.adjusted, part.setup().cameras, result.excluded_geodetic);
   result.alone = images_alone(result);
   result.gsd_m = median_pixel_m(result.block);
   for (const auto& other : result.other_parts)
@@ -202,8 +201,7 @@ Result<Orientation> adjust_in_world(BegunBlock begun, const Sources& sources, co
   result.calibration = calibration_used(result.adjusted, scope, settled_options(part, options).calibration);
 
   finish(part, result);
-  add(result, additional_findings(result.block, result.adjusted));
-  add(result, weak_cases(result.block, part.setup(), sources.pairs, result.adjusted));
+  add(result, weak_cases(result.block, sources.pairs));
   return result;
 }
 

@@ -29,6 +29,7 @@ struct Orientation {
   std::vector<ImageId> alone;                     ///< images that are in no part
   int gross_measurements = 0;                     ///< of tie points, left out before the final least squares
   std::vector<Finding> findings;                  ///< gross errors in control among them
+  std::vector<Finding> adjusted_findings;         ///< what `adjusted` shows (adjusted_findings())
   std::set<ControlId> excluded_control;           ///< control points that were found wrong and not used
   std::set<std::size_t> excluded_geodetic;        ///< the same of Block::geodetic
   SigmaFactors sigma_factors = as_given();    ///< what the given sigmas were multiplied by: control's, by what it shows

@@ -63,6 +63,13 @@ Result<ProjectStore> open_store(const fs::path& folder) {
 }  // namespace
 
 // A full disk and a damaged database show in many places, and in the words of many libraries.
+std::string title_of(const Project& project) {
+  std::error_code error;
+  std::filesystem::path folder = std::filesystem::absolute(project.folder, error).lexically_normal();
+  if (folder.filename().empty()) folder = folder.parent_path();
+  return folder.filename().string();
+}
+
 Error with_advice(Error error, const fs::path& folder) {
   constexpr double kLittle_MB = 16;
   std::error_code unknown;

@@ -35,6 +35,9 @@ struct Project {
 /// Opens a project made before, to look at what it holds.
 [[nodiscard]] Result<Project> open_project(const std::filesystem::path& folder, const Run& run);
 
+/// The name of its folder, also of "." and "project/".
+[[nodiscard]] std::string title_of(const Project& project);
+
 /// The same error, with what to do where the disk is full or the database of the project is damaged: these show in many
 /// positions, and in the words of many libraries.
 [[nodiscard]] Error with_advice(Error error, const std::filesystem::path& folder);

@@ -181,6 +181,10 @@ Result<> validate_settings(const Settings& settings) {
     verdict = check_instruments(settings.orient.instruments).map_error([](Error error) {
       return std::move(error).within("orient");
     });
+  if (verdict)
+    verdict = check_instruments(changed({}, settings.adjust.instruments)).map_error([](Error error) {
+      return std::move(error).within("adjust");
+    });
   return verdict;
 }
 

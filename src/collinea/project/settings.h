@@ -12,6 +12,7 @@
 #include "collinea/import/import.h"
 #include "collinea/match/descriptors.h"
 #include "collinea/match/pairs.h"
+#include "collinea/orient/adjustment_options.h"
 #include "collinea/orient/options.h"
 #include "collinea/ortho/orthophoto.h"
 #include "collinea/surface/dsm.h"
@@ -29,6 +30,7 @@ struct Settings {
   MatchOptions match;
   VerifyOptions verify;
   OrientOptions orient;
+  AdjustmentOptions adjust;
   DenseOptions densify;
   DsmOptions surface;
   DtmOptions terrain;
@@ -43,6 +45,7 @@ struct Settings {
     visit("match", "match", self.match);
     visit("match", "verify", self.verify);
     for_each_group("orient", self.orient, [&](const char* group, auto& options) { visit("orient", group, options); });
+    for_each_group("adjust", self.adjust, [&](const char* group, auto& options) { visit("adjust", group, options); });
     visit("densify", "densify", self.densify);
     visit("surface", "surface", self.surface);
     visit("terrain", "terrain", self.terrain);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/report/adjustment_report.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -13,7 +16,32 @@ namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
+void add_rejected(const Snooped& snooped, std::vector<std::string>& notes) {
+  constexpr std::size_t kShown = 5;
+  for (std::size_t i = 0; i < std::min(kShown, snooped.rejected.size()); ++i)
+    notes.push_back("rejected: " + words_of_rejected(snooped.rejected[i], snooped.block));
+  if (snooped.rejected.size() > kShown)
+    notes.push_back(fmt::format("{} observations rejected in all; rejected.csv lists them", snooped.rejected.size()));
+  for (std::size_t i = 0; i < std::min(kShown, snooped.kept.size()); ++i)
+    notes.push_back(fmt::format("{} is suspect but stays: {}", name_of(snooped.kept[i].observation, snooped.block),
+                                words_of(snooped.kept[i].reason)));
+  if (!snooped.finished) notes.emplace_back("more is suspect; as many as were allowed have gone (snoop_most)");
+}
+
 }  // namespace
+
+std::vector<std::string> notes_of(const AdjustmentReport& report) {
+  std::vector<std::string> notes;
+  if (const auto& done = report.refracted)
+    notes.push_back(
+        fmt::format("refraction: {} measurements corrected by up to {:.3f} px{}", done->corrected, done->largest_px,
+                    done->left == 0 ? "" : fmt::format("; {} left, more than 75 degrees from the nadir", done->left)));
+  if (report.snooped) add_rejected(*report.snooped, notes);
+  if (report.components && !report.components->converged)
+    notes.emplace_back("the variance components have not settled; the last ones are used");
+  for (const Finding& weak : report.adjusted.weaknesses) notes.push_back(sentence_of(weak, report.block));
+  return notes;
+}
 
 double shown_factor(const GroupSums& sums) {
   const double factor = sums.sigma_factor();

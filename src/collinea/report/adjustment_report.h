@@ -3,24 +3,20 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "collinea/base/result.h"
-#include "collinea/quality/additional_choice.h"
-#include "collinea/quality/snooping.h"
-#include "collinea/quality/variance_components.h"
+#include "collinea/orient/adjustment.h"
 
 namespace collinea {
 
 /// All that the report of an adjustment tells.
-struct AdjustmentReport {
+struct AdjustmentReport : Adjustment {
   std::string title;
-  Block block;                                   ///< as adjusted, with the sigmas that were used
-  Examined adjusted;                             ///< with covariances and reliability
-  std::optional<VarianceComponents> components;  ///< when they were estimated and applied
-  std::vector<AdditionalTest> additional;        ///< of cameras with additional parameters
-  double additional_level = 0;                   ///< of their tests
-  std::optional<Snooped> snooped;  ///< when gross errors were rejected; its `adjusted` may have been moved
 };
+
+/// What the user should know of it at once, sentence by sentence: what was corrected and rejected, what is weak.
+[[nodiscard]] std::vector<std::string> notes_of(const AdjustmentReport& report);
 
 // Its parts.
 

@@ -100,6 +100,17 @@ AxisRms position_rms(const ReportInput& input) {
   return rms_of(differences);
 }
 
+double mean_length_px(std::span<const Eigen::Vector2d> residuals_px) {
+  double sum = 0;
+  std::size_t count = 0;
+  for (const Eigen::Vector2d& residual : residuals_px)
+    if (residual.allFinite()) {
+      sum += residual.norm();
+      ++count;
+    }
+  return count ? sum / double(count) : 0;
+}
+
 ResidualStatistics residual_statistics(const Block& block) {
   ResidualStatistics statistics;
   std::map<ImageId, ImageResiduals> images;

@@ -23,6 +23,9 @@ struct AxisRms {
 [[nodiscard]] AxisRms control_rms(const ReportInput& input, bool used);
 [[nodiscard]] AxisRms position_rms(const ReportInput& input);
 
+/// Mean length of those that are known; 0 without any.
+[[nodiscard]] double mean_length_px(std::span<const Eigen::Vector2d> residuals_px);
+
 /// What one image contributed.
 struct ImageResiduals {
   ImageId image;

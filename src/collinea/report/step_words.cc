@@ -33,6 +33,12 @@ std::string words(const OrientationRecord& r) {
                      r.mean_reprojection_px, words_of(r.gauge));
 }
 
+std::string words(const AdjustmentRecord& r) {
+  return fmt::format("sigma0 {:.3f}, redundancy {}, mean residual {:.2f} px{}", r.sigma0, r.redundancy,
+                     r.mean_reprojection_px,
+                     r.rejected == 0 ? "" : ", " + counted(r.rejected, "measurement") + " rejected");
+}
+
 std::string words(const DensifyRecord& r) {
   return counted(r.depth_maps, "depth map") + ", " + counted(r.points, "point");
 }

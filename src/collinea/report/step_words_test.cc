@@ -81,10 +81,8 @@ TEST(StepFigures, NameImagesByTheirFiles) {
 }
 
 TEST(StepFigures, AreNullWhereNothingIsKnown) {
-  OrientationRecord record{.oriented = 2, .pixel_size = 0.5, .sigma0 = std::numeric_limits<double>::quiet_NaN()};
-  record.check_rmse_m = {0.25, std::nullopt, 1.0};
+  OrientationRecord record{.oriented = 2, .pixel_size = 0.5};
   record.other_parts = {{{1}, {4}}};
-  record.control.emplace_back();
   record.sigma_factors["control_images"] = 2.5;
   record.instruments.lever_arm = "0,0,0.1";
   const auto figures = figures_of(record, two_images());
@@ -93,18 +91,27 @@ TEST(StepFigures, AreNullWhereNothingIsKnown) {
   EXPECT_EQ(figures.at("sigma_factors")[0], 1.0);
   EXPECT_EQ(figures.at("sigma_factors")[1], 2.5);
   EXPECT_EQ(figures.at("instruments").at("lever_arm"), "0,0,0.1");
-  EXPECT_TRUE(figures.at("sigma0").is_null());
   EXPECT_TRUE(figures.at("gsd_m").is_null());
   EXPECT_EQ(figures.at("pixel_in_units"), 0.5);
-  EXPECT_TRUE(figures.at("control_rmse_m").is_null());
-  EXPECT_EQ(figures.at("check_rmse_m").dump(), "[0.25,null,1.0]");
   EXPECT_EQ(figures.at("other_parts").dump(), R"([["a.jpg","b.jpg"]])");
   EXPECT_EQ(figures.at("position_shift_m").size(), 3u);
   EXPECT_EQ(figures.at("instruments").at("position_shift"), "none");
   EXPECT_EQ(figures.at("calibration"), "none");
-  EXPECT_FALSE(figures.contains("control"));  // shown by name in a table of its own
   record.metric = true;
   EXPECT_EQ(figures_of(record, two_images()).at("gsd_m"), 0.5);
+}
+
+TEST(StepFigures, OfAnAdjustmentAreNullWhereNothingIsKnown) {
+  AdjustmentRecord record{.images = 2, .sigma0 = std::numeric_limits<double>::quiet_NaN()};
+  record.check_rmse_m = {0.25, std::nullopt, 1.0};
+  record.control.emplace_back();
+  const auto figures = figures_of(record, two_images());
+  EXPECT_TRUE(figures.at("sigma0").is_null());
+  EXPECT_TRUE(figures.at("control_rmse_m").is_null());
+  EXPECT_EQ(figures.at("check_rmse_m").dump(), "[0.25,null,1.0]");
+  EXPECT_EQ(figures.at("calibration"), "none");
+  EXPECT_EQ(figures.at("sigma_factors").size(), kObservationGroups);
+  EXPECT_FALSE(figures.contains("control"));  // shown by name in a table of its own
 }
 
 TEST(StepFigures, OfAProductThatWasNotMadeSayWhy) {

@@ -76,6 +76,12 @@ NamedValues chosen_options(const ReportInput& input) {
   return *input.options;
 }
 
+std::string fixed_instead_words(const std::vector<std::string>& parameters) {
+  std::string names;
+  for (const std::string& one : parameters) names += (names.empty() ? "" : ", ") + one;
+  return names.empty() ? "" : "fixed, because the additional parameters say the same: " + names;
+}
+
 std::string judgement_words(const SigmaFactors& factors, const Eigen::Vector3d& position_shift_m) {
   std::string text;
   for (std::size_t g = 0; g < factors.size(); ++g)

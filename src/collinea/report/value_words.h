@@ -25,6 +25,9 @@ namespace collinea {
 /// Options that were chosen, by name and value; ("all", "as by default") when none was.
 [[nodiscard]] NamedValues chosen_options(const ReportInput& input);
 
+/// Parameters of cameras that are fixed because the additional ones do the same; empty: none.
+[[nodiscard]] std::string fixed_instead_words(const std::vector<std::string>& parameters);
+
 /// What orientation found of what was given: by how much it multiplied sigmas, and by how much it shifted the positions
 /// [m], zero when they stay. "sigmas of "control, plan" times 1.7, positions shifted by +0.10, -0.02, +1.30 m"; empty
 /// when all is as given.

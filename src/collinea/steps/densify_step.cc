@@ -74,15 +74,15 @@ Result<std::vector<ImageId>> match_all(const Project& project, const Block& bloc
 
 // What depth maps are made from. Options of fusion leave them alone.
 Result<std::string> inputs_of_depth_maps(const Project& project) {
-  COLLINEA_TRY(const auto oriented, project.store.read_step("orient"));
-  COLLINEA_CHECK(oriented.has_value());
+  COLLINEA_TRY(const auto adjusted, project.store.read_step("adjust"));
+  COLLINEA_CHECK(adjusted.has_value());
   Settings settings = project.settings;
   settings.densify = options_of_matching(settings.densify);
   return Hash()
       .add(COLLINEA_VERSION)
       .add("depth maps")
       .add(options_text(settings, "densify"))
-      .add(oriented->output_hash)
+      .add(adjusted->output_hash)
       .hex();
 }
 

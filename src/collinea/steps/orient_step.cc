@@ -38,7 +38,7 @@ Result<StepOutput> orient_step(Project& project, const std::string& inputs_hash)
   COLLINEA_TRY(Orientation orientation, orientation_of(project, setup, pairs));
   COLLINEA_TRY(project.store.write_orientation(orientation.block));
   for (const Finding& finding : orientation.findings) project.run.say("note: " + sentence_of(finding, setup));
-  return StepOutput{inputs_hash, record_of(orientation, setup)};
+  return StepOutput{inputs_hash, record_of(orientation)};
 }
 
 }  // namespace collinea

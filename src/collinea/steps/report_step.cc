@@ -10,17 +10,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void add_orientation(const OrientationRecord& orientation, ReportInput& input) {
-  input.control = orientation.control;
-  input.positions = orientation.positions;
-  input.geodetic = orientation.geodetic;
-  input.centre_sigma_m = orientation.centre_sigma_m;
-  for (const auto& [camera, sigma] : orientation.calibration.sigma) {
+void add_adjustment(const AdjustmentRecord& adjustment, const OrientationRecord& orientation, ReportInput& input) {
+  input.control = adjustment.control;
+  input.positions = adjustment.positions;
+  input.geodetic = adjustment.geodetic;
+  input.centre_sigma_m = adjustment.centre_sigma_m;
+  for (const auto& [camera, sigma] : adjustment.calibration.sigma) {
     auto& values = input.camera_sigma[camera];
     std::copy_n(sigma.begin(), std::min(values.size(), sigma.size()), values.begin());
   }
-  input.sigma0 = orientation.sigma0;
-  input.redundancy = orientation.redundancy;
+  input.sigma0 = adjustment.sigma0;
+  input.redundancy = adjustment.redundancy;
   input.georeferenced = orientation.georeferenced;
   input.metric = orientation.metric;
   input.gauge = orientation.gauge;
@@ -53,19 +53,12 @@ void add_products(const Project& project, ReportInput& input) {
   if (outcome_in<OrthoRecord>(input.steps).cell_m > 0) input.ortho = project.folder / path_of(ProductFile::kOrthophoto);
 }
 
-// The folder's name, also of "." and "project/".
-std::string title_of(const Project& project) {
-  std::error_code error;
-  fs::path folder = fs::absolute(project.folder, error).lexically_normal();
-  if (folder.filename().empty()) folder = folder.parent_path();
-  return folder.filename().string();
-}
-
 // Heights follow the control where it took part; receivers give them above the ellipsoid.
-std::optional<HeightReference> height_reference(const ReportInput& input, const OrientationRecord& orientation) {
+std::optional<HeightReference> height_reference(const ReportInput& input, const OrientationRecord& orientation,
+                                                 const AdjustmentRecord& adjustment) {
   if (input.crs_name.find(" + ") != std::string::npos) return std::nullopt;  // the name says it
   if (orientation.relative_heights) return HeightReference::kMiddleCamera;
-  return orientation.control_rmse_m ? HeightReference::kControlPoints : HeightReference::kEllipsoid;
+  return adjustment.control_rmse_m ? HeightReference::kControlPoints : HeightReference::kEllipsoid;
 }
 
 }  // namespace
@@ -78,12 +71,13 @@ Result<StepOutput> report_step(Project& project, const std::string& inputs_hash)
   input.title = title_of(project);
   input.first_cameras = setup.cameras;
   COLLINEA_TRY(const auto orientation, project.store.read_outcome<OrientationRecord>());
-  add_orientation(orientation, input);
+  COLLINEA_TRY(const auto adjustment, project.store.read_outcome<AdjustmentRecord>());
+  add_adjustment(adjustment, orientation, input);
   add_notes(input.steps, input);
   add_products(project, input);
   if (input.block.georeference) {
     COLLINEA_TRY(input.crs_name, check_crs(input.block.georeference->crs));
-    input.height_reference = height_reference(input, orientation);
+    input.height_reference = height_reference(input, orientation, adjustment);
   }
   input.options = chosen_options(project.settings);
   input.versions.emplace_back("collinea", COLLINEA_VERSION);

@@ -84,8 +84,8 @@ TEST(SimulatedProject, KeepsWhichParametersWereFree) {
       {std::nullopt, Calibration::kBrown, 8}};
   for (const auto& [asked, used, count] : cases) {
     project->settings.orient.calibration = asked;
-    ASSERT_TRUE(bring_up_to(*project, Step::kOrient));
-    const CalibrationRecord record = project->store.read_outcome<OrientationRecord>()->calibration;
+    ASSERT_TRUE(bring_up_to(*project, Step::kAdjust));
+    const CalibrationRecord record = project->store.read_outcome<AdjustmentRecord>()->calibration;
     EXPECT_EQ(record.parameters, used);
     ASSERT_EQ(record.free.size(), count > 0 ? 1u : 0u) << word_of(used);
     if (count == 0) continue;

@@ -19,6 +19,7 @@ Result<StepOutput> import_step(Project& project, const std::string& inputs_hash)
 Result<StepOutput> detect_step(Project& project, const std::string& inputs_hash);
 Result<StepOutput> match_step(Project& project, const std::string& inputs_hash);
 Result<StepOutput> orient_step(Project& project, const std::string& inputs_hash);
+Result<StepOutput> adjust_step(Project& project, const std::string& inputs_hash);
 Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash);
 Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash);
 Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash);

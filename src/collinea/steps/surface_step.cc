@@ -22,11 +22,11 @@ PointSource points_of(LasReader& reader) {
   };
 }
 
-// What images and cameras make of heights, as orientation found it.
+// What images and cameras make of heights, as the adjustment found it.
 Result<std::vector<PositionSigma>> orientation_sigmas(const Project& project, const LocalFrame* frame) {
-  COLLINEA_TRY(const auto oriented, project.store.read_outcome<OrientationRecord>());
+  COLLINEA_TRY(const auto adjusted, project.store.read_outcome<AdjustmentRecord>());
   std::vector<PositionSigma> sigmas;
-  for (const HeightPrecision& at : oriented.height_precision) {
+  for (const HeightPrecision& at : adjusted.height_precision) {
     const Eigen::Vector3d in_world(at.position_in_world.x(), at.position_in_world.y(), 0);
     const Eigen::Vector3d on_map = frame ? frame->map_from_local(in_world) : in_world;
     sigmas.push_back({on_map.x(), on_map.y(), at.sigma_m});

@@ -47,6 +47,16 @@ CREATE TABLE IF NOT EXISTS ground (id INTEGER PRIMARY KEY, name TEXT, numbers BL
 CREATE TABLE IF NOT EXISTS step_records (sequence INTEGER PRIMARY KEY AUTOINCREMENT, step TEXT UNIQUE,
                                          inputs_hash TEXT, output_hash TEXT, seconds REAL, cpu_seconds REAL,
                                          peak_memory_bytes REAL, record BLOB);
+CREATE TABLE IF NOT EXISTS found_cameras (id INTEGER PRIMARY KEY, name TEXT, width_px INTEGER, height_px INTEGER,
+                                          model TEXT, additional TEXT, parameters TEXT, source TEXT, calibrate INTEGER,
+                                          sigma_f_px BLOB);
+CREATE TABLE IF NOT EXISTS found_poses (image INTEGER PRIMARY KEY, cam_from_world BLOB);
+CREATE TABLE IF NOT EXISTS found_points (chunk INTEGER PRIMARY KEY, data BLOB);
+CREATE TABLE IF NOT EXISTS found_observations (chunk INTEGER PRIMARY KEY, data BLOB);
+CREATE TABLE IF NOT EXISTS found_control_observations (chunk INTEGER PRIMARY KEY, data BLOB);
+CREATE TABLE IF NOT EXISTS pose_covariances (id INTEGER PRIMARY KEY, size INTEGER, data BLOB);
+CREATE TABLE IF NOT EXISTS camera_covariances (id INTEGER PRIMARY KEY, size INTEGER, data BLOB);
+CREATE TABLE IF NOT EXISTS point_covariances (chunk INTEGER PRIMARY KEY, data BLOB);
 DROP TABLE IF EXISTS steps;
 )sql";
 
@@ -75,8 +85,9 @@ Result<> check_tables(Database& database) {
 // A lock for writing is asked for only where something is missing.
 Result<> add_later_tables(Database& database) {
   COLLINEA_TRY(const auto there,
-               database.integer("SELECT count(*) FROM sqlite_master WHERE name IN ('ground', 'step_records')"));
-  return there == 2 ? Result<>{} : database.execute(kLaterTables);
+               database.integer("SELECT count(*) FROM sqlite_master WHERE name IN ('ground', 'step_records', "
+                                "'point_covariances')"));
+  return there == 3 ? Result<>{} : database.execute(kLaterTables);
 }
 
 Result<> prepare(Database& database) {

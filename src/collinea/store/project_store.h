@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -35,6 +36,13 @@ template <class Record>
   return {};
 }
 
+/// Covariances of an adjusted block, by the sigmas that were used (sigma0 taken as 1). Empty: not known.
+struct BlockCovariances {
+  std::map<ImageId, Eigen::Matrix<double, 6, 6>> poses;  ///< [rotation (rad, in world), centre (m)], as Examined
+  std::map<CameraId, Eigen::MatrixXd> cameras;           ///< of Camera::params
+  std::vector<Eigen::Matrix3d> points;                   ///< [m^2], parallel to Block::points
+};
+
 using TakeTie = std::function<void(PointId id, const TiePoint& point, std::span<const Observation> observations)>;
 
 struct ProjectStoreState;
@@ -59,8 +67,16 @@ class ProjectStore {
   /// before orientation. Replaces all of it. An orientation of images or control points that are no longer there is
   /// erased; another one stays.
   Result<> write_setup(const Block& block);
-  /// Cameras (as adjusted), poses, tie points, observations, control observations. Replaces all of it.
+  /// Cameras, poses, tie points, observations, control observations of an oriented block. Replaces all of it, and what
+  /// an adjustment left.
   Result<> write_orientation(const Block& block);
+  /// The same of a block that an adjustment made of the one that was oriented, with covariances. What was oriented is
+  /// kept, so that another adjustment begins where this one did.
+  Result<> write_adjustment(const Block& block, const BlockCovariances& covariances);
+  /// As write_orientation wrote it, whatever was adjusted since; otherwise as read_block.
+  Result<Block> read_found() const;
+  /// Of the adjusted block; empty where it was not adjusted, or nothing was known.
+  Result<BlockCovariances> read_covariances() const;
   /// Everything in one block. Before orientation there are no poses; cameras and control observations are as set up.
   Result<Block> read_block() const;
   /// As read_block, without tie points and their observations, which take more memory than all the rest.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The block of a ProjectStore: what was set up, and what the orientation made of it.
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -89,6 +90,32 @@ struct ControlObservationRecord {
     get(unpacker, o.pixel);
     unpacker.get(o.sigma_px);
     return o;
+  }
+};
+
+// A symmetric matrix: its lower triangle, row by row.
+template <class Matrix>
+void put_symmetric(Packer& packer, const Matrix& m) {
+  for (Eigen::Index row = 0; row < m.rows(); ++row)
+    for (Eigen::Index column = 0; column <= row; ++column) packer.put(m(row, column));
+}
+template <class Matrix>
+void get_symmetric(Unpacker& unpacker, Matrix& m) {
+  for (Eigen::Index row = 0; row < m.rows(); ++row)
+    for (Eigen::Index column = 0; column <= row; ++column) {
+      unpacker.get(m(row, column));
+      m(column, row) = m(row, column);
+    }
+}
+
+struct PointCovarianceRecord {
+  static constexpr std::size_t kBytes = 6 * 8;
+  using Value = Eigen::Matrix3d;
+  static void put_one(Packer& packer, const Eigen::Matrix3d& covariance) { put_symmetric(packer, covariance); }
+  static Value get_one(Unpacker& unpacker) {
+    Eigen::Matrix3d covariance;
+    get_symmetric(unpacker, covariance);
+    return covariance;
   }
 };
 
@@ -411,9 +438,20 @@ Result<> read_setup_tables(Database& db, Block& block) {
   return read_geodetic(db, block.geodetic);
 }
 
-Result<> write_poses(Database& db, const Block& block) {
-  COLLINEA_TRY(db.execute("DELETE FROM poses"));
-  COLLINEA_TRY(auto insert, db.prepare("INSERT INTO poses VALUES (?, ?)"));
+// Where an orientation lies: the one that counts, and the one that was found, from which adjustment begins.
+struct OrientationTables {
+  std::string cameras, poses, points, observations, control_observations;
+  [[nodiscard]] std::array<std::string, 5> all() const {
+    return {cameras, poses, points, observations, control_observations};
+  }
+};
+const OrientationTables kCurrent{"adjusted_cameras", "poses", "points", "observations", "used_control_observations"};
+const OrientationTables kFound{"found_cameras", "found_poses", "found_points", "found_observations",
+                               "found_control_observations"};
+
+Result<> write_poses(Database& db, const std::string& table, const Block& block) {
+  COLLINEA_TRY(db.execute("DELETE FROM " + table));
+  COLLINEA_TRY(auto insert, db.prepare("INSERT INTO " + table + " VALUES (?, ?)"));
   for (const auto& [image, pose] : oriented_images(block)) {
     Packer packer;
     for (const double value : {pose.rotation.w(), pose.rotation.x(), pose.rotation.y(), pose.rotation.z()})
@@ -424,8 +462,8 @@ Result<> write_poses(Database& db, const Block& block) {
   return {};
 }
 
-Result<> read_poses(Database& db, Block& block) {
-  COLLINEA_TRY(auto select, db.prepare("SELECT image, cam_from_world FROM poses ORDER BY image"));
+Result<> read_poses(Database& db, const std::string& table, Block& block) {
+  COLLINEA_TRY(auto select, db.prepare("SELECT image, cam_from_world FROM " + table + " ORDER BY image"));
   while (true) {
     COLLINEA_TRY(const bool row, select.next());
     if (!row) return {};
@@ -439,21 +477,22 @@ Result<> read_poses(Database& db, Block& block) {
   }
 }
 
-Result<> read_orientation_tables(Database& db, Block& block) {
-  COLLINEA_TRY(read_cameras(db, "adjusted_cameras", block.cameras));
-  COLLINEA_TRY(read_poses(db, block));
-  return read_control_observations(db, "used_control_observations", block);
+Result<> read_orientation_tables(Database& db, const OrientationTables& tables, Block& block) {
+  COLLINEA_TRY(read_cameras(db, tables.cameras, block.cameras));
+  COLLINEA_TRY(read_poses(db, tables.poses, block));
+  return read_control_observations(db, tables.control_observations, block);
 }
 
-Result<> read_tie_tables(Database& db, Block& block) {
-  COLLINEA_TRY(const auto bytes, db.integer("SELECT coalesce(sum(length(data)), 0) FROM observations"));
+Result<> read_tie_tables(Database& db, const OrientationTables& tables, Block& block) {
+  COLLINEA_TRY(const auto bytes,
+               db.integer("SELECT coalesce(sum(length(data)), 0) FROM " + tables.observations));
   block.observations.reserve(std::size_t(bytes) / ObservationRecord::kBytes);  // growing would take twice as much
   auto& points = block.points;
   const auto take_point = [&](const PointRecord::Value& p) {
     points.insert_or_assign(points.end(), p.first, p.second);
   };
-  COLLINEA_TRY(read_chunks<PointRecord>(db, "points", take_point));
-  return read_chunks<ObservationRecord>(db, "observations",
+  COLLINEA_TRY(read_chunks<PointRecord>(db, tables.points, take_point));
+  return read_chunks<ObservationRecord>(db, tables.observations,
                                         [&](const Observation& o) { block.observations.push_back(o); });
 }
 
@@ -479,9 +518,69 @@ Result<> read_ties_in_order(Database& db, const Block& block, const TakeTie& tak
 }
 
 Result<> erase_orientation(Database& db) {
-  return db.execute(
-      "DELETE FROM oriented; DELETE FROM adjusted_cameras; DELETE FROM poses; DELETE FROM points; "
-      "DELETE FROM observations; DELETE FROM used_control_observations;");
+  std::string erase = "DELETE FROM oriented; DELETE FROM pose_covariances; DELETE FROM camera_covariances; "
+                      "DELETE FROM point_covariances;";
+  for (const OrientationTables& tables : {kCurrent, kFound})
+    for (const std::string& table : tables.all()) erase += "DELETE FROM " + table + ";";
+  return db.execute(erase);
+}
+
+Result<> write_orientation_tables(Database& db, const OrientationTables& tables, const Block& block) {
+  COLLINEA_TRY(write_cameras(db, tables.cameras, block.cameras));
+  COLLINEA_TRY(write_poses(db, tables.poses, block));
+  COLLINEA_TRY(write_chunks<PointRecord>(db, tables.points, block.points));
+  COLLINEA_TRY(write_chunks<ObservationRecord>(db, tables.observations, block.observations));
+  return write_chunks<ControlObservationRecord>(db, tables.control_observations, block.control_observations);
+}
+
+// The first adjustment puts aside what it began with.
+Result<bool> is_adjusted(Database& db) {
+  return db.integer("SELECT count(*) FROM sqlite_master WHERE name = 'found_cameras'")
+      .and_then([&](auto tables) -> Result<std::int64_t> {
+        return tables == 0 ? Result<std::int64_t>(0) : db.integer("SELECT count(*) FROM found_cameras");
+      })
+      .map([](auto cameras) { return cameras > 0; });
+}
+
+Result<> put_found_aside(Database& db) {
+  COLLINEA_TRY(const bool adjusted, is_adjusted(db));
+  if (adjusted) return {};
+  const auto from = kCurrent.all(), to = kFound.all();
+  for (std::size_t i = 0; i < from.size(); ++i)
+    COLLINEA_TRY(db.execute("INSERT INTO " + to[i] + " SELECT * FROM " + from[i]));
+  return {};
+}
+
+// Matrices of any size, by id.
+template <class Matrices>
+Result<> write_covariances(Database& db, const std::string& table, const Matrices& matrices) {
+  COLLINEA_TRY(db.execute("DELETE FROM " + table));
+  COLLINEA_TRY(auto insert, db.prepare("INSERT INTO " + table + " VALUES (?, ?, ?)"));
+  for (const auto& [id, matrix] : matrices) {
+    Packer packer;
+    put_symmetric(packer, matrix);
+    COLLINEA_TRY(insert.bind(id.value).bind(static_cast<std::int64_t>(matrix.rows())).bind_blob(packer.bytes()).run());
+  }
+  return {};
+}
+
+template <class Matrices>
+Result<> read_covariances(Database& db, const std::string& table, Matrices& matrices) {
+  constexpr std::int64_t kMostRows = 1000;
+  using Matrix = typename Matrices::mapped_type;
+  COLLINEA_TRY(auto select, db.prepare("SELECT id, size, data FROM " + table + " ORDER BY id"));
+  while (true) {
+    COLLINEA_TRY(const bool row, select.next());
+    if (!row) return {};
+    const std::int64_t size = select.integer(1);
+    const bool fits = Matrix::RowsAtCompileTime == Eigen::Dynamic || size == Matrix::RowsAtCompileTime;
+    if (size < 1 || size > kMostRows || !fits) return damaged("a covariance matrix");
+    Matrix matrix(size, size);
+    Unpacker unpacker(select.blob(2));
+    get_symmetric(unpacker, matrix);
+    if (!unpacker.done()) return damaged("a covariance matrix");
+    matrices[{static_cast<std::uint32_t>(select.integer(0))}] = std::move(matrix);
+  }
 }
 
 // Every reference from one table to another is kept.
@@ -501,18 +600,23 @@ bool fits_together(const Block& block) {
   return true;
 }
 
-enum class Wanted { kSetup, kOrientation, kAll };
+enum class Wanted { kSetup, kOrientation, kAll, kFound };
 
 Result<Block> read_tables(Database& db, Wanted wanted) {
   Block block;
   COLLINEA_TRY(read_setup_tables(db, block));
   COLLINEA_TRY(const auto oriented, db.integer("SELECT count(*) FROM oriented"));
   if (oriented == 0) wanted = Wanted::kSetup;
+  const OrientationTables* tables = &kCurrent;
+  if (wanted == Wanted::kFound) {
+    COLLINEA_TRY(const bool adjusted, is_adjusted(db));
+    if (adjusted) tables = &kFound;
+  }
   const auto read = wanted == Wanted::kSetup ? read_control_observations(db, "control_observations", block)
-                                             : read_orientation_tables(db, block);
+                                             : read_orientation_tables(db, *tables, block);
   if (!read) return tl::unexpected(read.error());
-  if (wanted == Wanted::kAll) {
-    COLLINEA_TRY(read_tie_tables(db, block));
+  if (wanted == Wanted::kAll || wanted == Wanted::kFound) {
+    COLLINEA_TRY(read_tie_tables(db, *tables, block));
   }
   if (!fits_together(block)) return damaged("observations or poses of images or points that are not there");
   return block;
@@ -565,16 +669,39 @@ Result<> ProjectStore::write_setup(const Block& block) {
 Result<> ProjectStore::write_orientation(const Block& block) {
   return state_->write([&](Database& db) -> Result<> {
     COLLINEA_TRY(erase_orientation(db));
-    COLLINEA_TRY(write_cameras(db, "adjusted_cameras", block.cameras));
-    COLLINEA_TRY(write_poses(db, block));
-    COLLINEA_TRY(write_chunks<PointRecord>(db, "points", block.points));
-    COLLINEA_TRY(write_chunks<ObservationRecord>(db, "observations", block.observations));
-    if (auto written =
-            write_chunks<ControlObservationRecord>(db, "used_control_observations", block.control_observations);
-        !written)
-      return written;
+    COLLINEA_TRY(write_orientation_tables(db, kCurrent, block));
     return db.execute("INSERT INTO oriented VALUES (0)");
   });
+}
+
+Result<> ProjectStore::write_adjustment(const Block& block, const BlockCovariances& covariances) {
+  return state_->write([&](Database& db) -> Result<> {
+    COLLINEA_TRY(put_found_aside(db));
+    COLLINEA_TRY(write_orientation_tables(db, kCurrent, block));
+    COLLINEA_TRY(write_covariances(db, "pose_covariances", covariances.poses));
+    COLLINEA_TRY(write_covariances(db, "camera_covariances", covariances.cameras));
+    return write_chunks<PointCovarianceRecord>(db, "point_covariances", covariances.points);
+  });
+}
+
+Result<BlockCovariances> ProjectStore::read_covariances() const {
+  return state_->read([](Database& db) -> Result<BlockCovariances> {
+    COLLINEA_TRY(const auto transaction, sqlite::Transaction::begin_reading(db));
+    BlockCovariances covariances;
+    COLLINEA_TRY(const bool adjusted, is_adjusted(db));
+    if (!adjusted) return covariances;
+    COLLINEA_TRY(collinea::read_covariances(db, "pose_covariances", covariances.poses));
+    COLLINEA_TRY(collinea::read_covariances(db, "camera_covariances", covariances.cameras));
+    if (Result<> read = read_chunks<PointCovarianceRecord>(
+            db, "point_covariances", [&](const Eigen::Matrix3d& one) { covariances.points.push_back(one); });
+        !read)
+      return tl::unexpected(read.error());
+    return covariances;
+  });
+}
+
+Result<Block> ProjectStore::read_found() const {
+  return state_->read([](Database& db) { return read_consistently(db, Wanted::kFound); });
 }
 
 Result<Block> ProjectStore::read_block() const {

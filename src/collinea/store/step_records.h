@@ -127,33 +127,30 @@ struct CalibrationRecord {
   }
 };
 
-/// Poses, cameras and points are in the store; this is how good they are and how they came about.
+/// A block as it was found, near enough to be adjusted, and how it came about. Poses, cameras and points are in the
+/// store; how good they are is known once they are adjusted.
 struct OrientationRecord {
   static constexpr std::string_view kStep = "orient";
   std::uint64_t images = 0, oriented = 0, tie_points = 0;
   std::uint64_t observations = 0;        ///< of tie points
-  std::uint64_t gross_measurements = 0;  ///< of tie points, rejected before the final least squares
+  std::uint64_t gross_measurements = 0;  ///< of tie points, rejected
   double mean_reprojection_px = 0;       ///< mean length of the residuals of tie points
   double pixel_size = 0;                 ///< median at the tie points [m, or units of the gauge]
-  double sigma0 = 0;
-  std::int64_t redundancy = 0;
-  bool georeferenced = false;      ///< false: a gauge without location on Earth
-  bool metric = false;             ///< lengths are in metres
-  bool relative_heights = false;   ///< georeferenced in plan, but nothing gave a height
-  bool holds_given_poses = false;  ///< poses are those of another program, not adjusted
-  Gauge gauge;                     ///< what fixes position, attitude and scale
-  std::optional<AxisValues> control_rmse_m, check_rmse_m, position_rms_m;  ///< nothing: no such point took part
+  bool georeferenced = false;            ///< false: a gauge without location on Earth
+  bool metric = false;                   ///< lengths are in metres
+  bool relative_heights = false;         ///< georeferenced in plan, but nothing gave a height
+  bool holds_given_poses = false;        ///< poses are those of another program, not to be adjusted
+  Gauge gauge;                           ///< what fixes position, attitude and scale
+  bool used_positions = false, used_control = false;  ///< they took part
   std::map<std::string, double> sigma_factors;  ///< what given sigmas were multiplied by, by word of ObservationGroup
   Eigen::Vector3d position_shift_m{0, 0, 0};    ///< by which positions were moved to where control puts the block
   InstrumentOptions instruments;                ///< those that took part
-  CalibrationRecord calibration;
+  Calibration calibration = Calibration::kNone;   ///< parameters of cameras that were free; none: they stay as given
   std::vector<ImageId> not_oriented;              ///< in no part of the block
   std::vector<std::vector<ImageId>> other_parts;  ///< images that hang together, but not with the block
-  std::vector<ControlDifference> control;         ///< those that were excluded last
-  std::vector<PositionDifference> positions;
-  std::vector<GeodeticDifference> geodetic;
-  std::vector<HeightPrecision> height_precision;      ///< at some of the tie points
-  std::map<ImageId, Eigen::Vector3d> centre_sigma_m;  ///< of projection centres: east, north, up; sigma0 taken as 1
+  std::vector<ControlId> used_for_datum;          ///< control that fixed where poses of another program lie
+  std::vector<ControlId> excluded_control;        ///< found wrong, and not used
+  std::vector<std::uint32_t> excluded_geodetic;   ///< the same: indices in Block::geodetic
   std::vector<Finding> findings;
 
   /// Ground size of a pixel; nothing without a scale.
@@ -169,22 +166,68 @@ struct OrientationRecord {
     visit("gross_measurements", &R::gross_measurements);
     visit("mean_reprojection_px", &R::mean_reprojection_px);
     visit("pixel_in_units", &R::pixel_size);
-    visit("sigma0", &R::sigma0);
-    visit("redundancy", &R::redundancy);
     visit("georeferenced", &R::georeferenced);
     visit("metric", &R::metric);
     visit("relative_heights", &R::relative_heights);
     visit("holds_given_poses", &R::holds_given_poses);
     visit("gauge", &R::gauge);
-    visit("control_rmse_m", &R::control_rmse_m);
-    visit("check_rmse_m", &R::check_rmse_m);
-    visit("position_rms_m", &R::position_rms_m);
+    visit("used_positions", &R::used_positions);
+    visit("used_control", &R::used_control);
     visit("sigma_factors", &R::sigma_factors);
     visit("position_shift_m", &R::position_shift_m);
     visit("instruments", &R::instruments);
     visit("calibration", &R::calibration);
     visit("not_oriented", &R::not_oriented);
     visit("other_parts", &R::other_parts);
+    visit("used_for_datum", &R::used_for_datum);
+    visit("excluded_control", &R::excluded_control);
+    visit("excluded_geodetic", &R::excluded_geodetic);
+    visit("findings", &R::findings);
+  }
+};
+
+/// The adjustment that counts: what it found of poses, cameras and points is in the store with its covariances, and all
+/// products derive from it.
+struct AdjustmentRecord {
+  static constexpr std::string_view kStep = "adjust";
+  std::uint64_t images = 0, tie_points = 0;  ///< that took part
+  std::uint64_t observations = 0;            ///< of tie points, that took part
+  std::uint64_t rejected = 0;                ///< measurements that data snooping took out
+  double mean_reprojection_px = 0;           ///< mean length of the residuals of tie points
+  double sigma0 = 0;
+  std::int64_t redundancy = 0, unknowns = 0;
+  std::int32_t rank_defect = 0;
+  std::optional<AxisValues> control_rmse_m, check_rmse_m, position_rms_m;  ///< nothing: no such point took part
+  std::map<std::string, double> sigma_factors;  ///< what given sigmas were multiplied by, by word of ObservationGroup
+  InstrumentOptions instruments;                ///< those that took part
+  bool refraction = false;                      ///< measurements were corrected for that of a standard atmosphere
+  CalibrationRecord calibration;
+  std::vector<ControlDifference> control;  ///< those that were excluded last
+  std::vector<PositionDifference> positions;
+  std::vector<GeodeticDifference> geodetic;
+  std::vector<HeightPrecision> height_precision;      ///< at some of the tie points
+  std::map<ImageId, Eigen::Vector3d> centre_sigma_m;  ///< of projection centres: east, north, up; with sigma0
+  std::vector<Finding> findings;
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    using R = AdjustmentRecord;
+    visit("images", &R::images);
+    visit("tie_points", &R::tie_points);
+    visit("observations", &R::observations);
+    visit("rejected", &R::rejected);
+    visit("mean_reprojection_px", &R::mean_reprojection_px);
+    visit("sigma0", &R::sigma0);
+    visit("redundancy", &R::redundancy);
+    visit("unknowns", &R::unknowns);
+    visit("rank_defect", &R::rank_defect);
+    visit("control_rmse_m", &R::control_rmse_m);
+    visit("check_rmse_m", &R::check_rmse_m);
+    visit("position_rms_m", &R::position_rms_m);
+    visit("sigma_factors", &R::sigma_factors);
+    visit("instruments", &R::instruments);
+    visit("refraction", &R::refraction);
+    visit("calibration", &R::calibration);
     visit("control", &R::control);
     visit("positions", &R::positions);
     visit("geodetic", &R::geodetic);
@@ -328,7 +371,7 @@ struct ReportRecord {
 };
 
 /// The closed list of records.
-using StepOutcome = std::variant<ImportRecord, DetectRecord, MatchRecord, OrientationRecord, DensifyRecord,
+using StepOutcome = std::variant<ImportRecord, DetectRecord, MatchRecord, OrientationRecord, AdjustmentRecord, DensifyRecord,
                                  SurfaceRecord, TerrainRecord, OrthoRecord, ReportRecord>;
 
 /// The name of the step that leaves such a record.

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "collinea/block/image_axes.h"
-#include "collinea/orient/internal/control_rejection.h"
+#include "collinea/orient/control_rejection.h"
 #include "collinea/orient/internal/datum.h"
 #include "collinea/orient/internal/geodetic_scale.h"
 #include "collinea/orient/internal/level_datum.h"

@@ -83,10 +83,11 @@ bool moves_along_view(const Block& block, const std::map<Pair, std::size_t>& com
   return cosines.size() + 1 >= kLeastImages && median(cosines) > kAlong;
 }
 
-std::vector<Finding> undetermined_focals(const Block& setup, const Examined& adjusted, bool flat, bool along) {
+std::vector<Finding> undetermined_focals(const std::map<CameraId, Camera>& first_cameras, const Examined& adjusted,
+                                         bool flat, bool along) {
   std::vector<Finding> findings;
   for (const auto& [id, covariance] : adjusted.camera_covariance) {
-    const Camera& before = setup.cameras.at(id);
+    const Camera& before = first_cameras.at(id);
     const double sigma_px = std::sqrt(covariance(Camera::kF, Camera::kF));
     if (!(sigma_px > kHardlyDetermined * before.prior.sigma_f_px)) continue;
     const FindingCode code = flat    ? FindingCode::kFocalOfFlatScene
@@ -180,14 +181,22 @@ bool on_critical_surface(const std::vector<Eigen::Vector3d>& points, const std::
 
 }  // namespace
 
-std::vector<Finding> weak_cases(const Block& oriented, const Block& setup, std::span<const ImagePair> pairs,
-                                const Examined& adjusted) {
+std::vector<Finding> weak_focals(const Block& oriented, const std::map<CameraId, Camera>& first_cameras,
+                                 const Examined& adjusted) {
+  const std::vector<Eigen::Vector3d> points = some_points(oriented);
+  if (points.size() < kLeastPoints || count_oriented(oriented) < 2) return {};
+  return undetermined_focals(first_cameras, adjusted, relief(oriented, points) < kFlat,
+                             moves_along_view(oriented, common_points(oriented)));
+}
+
+std::vector<Finding> weak_cases(const Block& oriented, std::span<const ImagePair> pairs) {
   const std::vector<Eigen::Vector3d> points = some_points(oriented), centres = centres_of(oriented);
   if (points.size() < kLeastPoints || centres.size() < 2) return {};
   const auto common = common_points(oriented);
-  const bool flat = relief(oriented, points) < kFlat, along = moves_along_view(oriented, common);
-  std::vector<Finding> findings = undetermined_focals(setup, adjusted, flat, along);
-  if (along) findings.push_back(finding_of(FindingCode::kMovedAlongView, {}, {}, {RemedyCode::kAddSideViews}));
+  const bool flat = relief(oriented, points) < kFlat;
+  std::vector<Finding> findings;
+  if (moves_along_view(oriented, common))
+    findings.push_back(finding_of(FindingCode::kMovedAlongView, {}, {}, {RemedyCode::kAddSideViews}));
   const auto moved = moved_while_read(oriented);
   if (moved) findings.push_back(*moved);
   if (auto pairs_against = contradicting_pairs(oriented, pairs, common, moved.has_value()))

@@ -6,8 +6,7 @@
 
 namespace collinea {
 
-/// What the project keeps of an orientation beside its block. `setup`: the block that was oriented, with all of its
-/// measurements; control that was excluded is compared by these.
-[[nodiscard]] OrientationRecord record_of(const Orientation& orientation, const Block& setup);
+/// What the project keeps of an orientation beside its block.
+[[nodiscard]] OrientationRecord record_of(const Orientation& orientation);
 
 }  // namespace collinea

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collinea/orient/internal/control_rejection.h"
+#include "collinea/orient/control_rejection.h"
 
 #include <map>
 #include <optional>

@@ -1,21 +1,46 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
-#include <functional>
 #include <optional>
-#include <set>
 #include <string>
 
 #include "collinea/base/options.h"
-#include "collinea/orient/instrument_options.h"
-#include "collinea/project/project.h"
+#include "collinea/block/instrument_options.h"
 #include "collinea/quality/examine.h"
 
 namespace collinea {
 
-/// How an oriented project is adjusted again.
-struct AdjustProjectOptions {
+/// What an adjustment takes differently of receivers and inertial systems than orientation, or the file, has it.
+struct InstrumentChanges {
+  std::optional<LeverArmOption> lever_arm;
+  std::optional<PositionShift> position_shift;
+  std::optional<bool> position_drift, time_offset, use_attitudes;
+  std::optional<double> attitude_sigma_deg, heading_sigma_deg;
+
+  template <class Visit>
+  static void describe(Visit&& visit) {
+    using O = InstrumentChanges;
+    visit(Field{"lever_arm", &O::lever_arm, "m",
+                "antenna from the projection centre in the camera, right,down,forward: x,y,z; or estimate, or none"});
+    visit(Field{"position_shift", &O::position_shift, "",
+                "shift that the positions have in common, to be found with control"}
+              .or_auto("as orient, or the file, has it"));
+    visit(Field{"position_drift", &O::position_drift, "", "and a drift in time"});
+    visit(Field{"time_offset", &O::time_offset, "",
+                "find by how much later than the images their positions were taken, for each camera"});
+    visit(Field{"use_attitudes", &O::use_attitudes, "",
+                "use the attitudes that the cameras wrote, with a boresight to be found for each camera"});
+    visit(Field{"attitude_sigma_deg", &O::attitude_sigma_deg, "deg",
+                "standard deviation of attitudes from level, where none is stated", 1e-6, 90});
+    visit(Field{"heading_sigma_deg", &O::heading_sigma_deg, "deg", "the same of their heading", 1e-6, 180});
+  }
+};
+
+/// What was, with what changes.
+[[nodiscard]] InstrumentOptions changed(InstrumentOptions instruments, const InstrumentChanges& changes);
+
+/// How an oriented block, or the measurements of a file, are adjusted with the full model.
+struct AdjustmentOptions {
   std::optional<Calibration> calibration;
   std::optional<AdditionalSet> additional;
   std::string additional_fixed;
@@ -26,18 +51,16 @@ struct AdjustProjectOptions {
   bool use_positions = true;
   bool use_control = true;
   bool use_geodetic = true;
-  InstrumentOptions instruments;
-  /// The fields of `instruments` that count; for the others, it is as orient or the file had them.
-  std::set<std::string, std::less<>> changed_instruments;
+  InstrumentChanges instruments;
   bool given_sigmas = false;
-  bool snoop = false;
+  std::optional<bool> snoop;
   int snoop_most = 1000;
   bool variance_components = false;
   TestOptions tests;
 
   template <class Visit>
   static void describe(Visit&& visit) {
-    using O = AdjustProjectOptions;
+    using O = AdjustmentOptions;
     visit(
         Field{"calibration", &O::calibration, "", "free camera parameters"}.or_auto("those of orient, or of the file"));
     visit(Field{"additional", &O::additional, "",
@@ -63,12 +86,13 @@ struct AdjustProjectOptions {
               "them contradicted"});
     visit(Field{"snoop", &O::snoop, "",
                 "reject the worst suspect and adjust again, until none is left; measurements of control that orient "
-                "rejected are tried again"});
+                "rejected are tried again. Of a project what is given (control, positions, ...) is examined so unless this is "
+                "no"});
     visit(Field{"snoop_most", &O::snoop_most, "1", "upper bound of what snooping rejects", 1, 1000000});
     visit(Field{"variance_components", &O::variance_components, "",
                 "estimate the standard deviations of each group of observations, and use them"});
     visit(Part{&O::tests});
-    visit(Group{"instruments", &O::instruments});
+    visit(Group{"adjust_instruments", &O::instruments});
   }
 };
 

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/orient/adjustment.h"
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace collinea {
+namespace {
+
+// "a3, a7" as its names.
+std::vector<std::string> names_in(std::string_view list) {
+  std::vector<std::string> names;
+  std::string name;
+  for (const char one : list) {
+    if (one == ' ' || one == '\t') continue;
+    if (one != ',') {
+      name += one;
+      continue;
+    }
+    if (!name.empty()) names.push_back(std::exchange(name, {}));
+  }
+  if (!name.empty()) names.push_back(std::move(name));
+  return names;
+}
+
+Error no_such_parameter(const AdjustmentOptions& asked, AdditionalSet set) {
+  const std::string last = "a" + std::to_string(count_of(set));
+  return {Errc::kBadInput,
+          "additional_fixed = \"" + asked.additional_fixed + "\": the " + std::to_string(count_of(set)) +
+              " parameters of " + std::string(kAdditionalNames[std::size_t(set)]) + " are a1 to " + last,
+          {"additional_fixed"_option}};
+}
+
+void change_set(Camera& camera, AdditionalSet set) {
+  if (camera.additional != set) std::fill(camera.params.begin() + Camera::kParams, camera.params.end(), 0.0);
+  camera.additional = set;
+}
+
+}  // namespace
+
+InstrumentOptions changed(InstrumentOptions instruments, const InstrumentChanges& changes) {
+  if (changes.lever_arm) instruments.lever_arm = changes.lever_arm;
+  if (changes.position_shift) instruments.position_shift = *changes.position_shift;
+  if (changes.position_drift) instruments.position_drift = *changes.position_drift;
+  if (changes.time_offset) instruments.time_offset = *changes.time_offset;
+  if (changes.use_attitudes) instruments.use_attitudes = *changes.use_attitudes;
+  if (changes.attitude_sigma_deg) instruments.attitude_sigma_deg = *changes.attitude_sigma_deg;
+  if (changes.heading_sigma_deg) instruments.heading_sigma_deg = *changes.heading_sigma_deg;
+  return instruments;
+}
+
+Result<std::vector<std::string>> set_additional(const AdjustmentOptions& asked, AdjustmentTask& task) {
+  const std::vector<std::string> fixed = names_in(asked.additional_fixed);
+  std::set<std::string> instead;
+  bool any = false;
+  for (auto& [id, camera] : task.block.cameras) {
+    const auto own = task.scope.camera_sigmas.find(id);
+    Camera& first = task.scope.first_cameras.try_emplace(id, camera).first->second;
+    if (asked.additional) {
+      change_set(camera, *asked.additional);
+      change_set(first, *asked.additional);
+    } else {
+      first.additional = camera.additional;  // found by orient, around zero
+    }
+    if (camera.additional == AdditionalSet::kNone) continue;
+    any = true;
+    if (own != task.scope.camera_sigmas.end() && !asked.additional && fixed.empty()) continue;
+    CameraSigmas sigmas{};  // a camera that was given stays as it is beneath them
+    if (own != task.scope.camera_sigmas.end())
+      sigmas = own->second;
+    else if (camera.prior.calibrate)
+      sigmas = calibration_sigmas(task.options.adjust.calibration, first);
+    const auto both = with_additional(sigmas, first, fixed);
+    if (!both) return tl::unexpected(no_such_parameter(asked, camera.additional));
+    for (int k = 0; k < Camera::kParams; ++k)
+      if (sigmas[std::size_t(k)] > 0 && (*both)[std::size_t(k)] == 0) instead.insert(param_name(k));
+    task.scope.camera_sigmas[id] = *both;
+  }
+  if (!fixed.empty() && !any)
+    return fail(Errc::kBadInput, "additional parameters are to be fixed, but no camera has any",
+                {"additional_fixed"_option, "additional"_option});
+  return std::vector<std::string>(instead.begin(), instead.end());
+}
+
+Result<Adjustment> adjust_block(AdjustmentTask task, const AdjustmentOptions& asked, const Run& run) {
+  Adjustment done;
+  if (asked.refraction) {
+    COLLINEA_TRY(done.refracted, correct_refraction(task.block));
+  }
+  done.block = std::move(task.block);
+  if (asked.snoop.value_or(false)) {
+    COLLINEA_TRY(done.snooped, snoop(done.block, task.scope, task.options, asked.snoop_most, run));
+    done.block = done.snooped->block;
+    task.scope.attitudes = done.snooped->attitudes;
+  }
+  if (asked.variance_components) {
+    COLLINEA_TRY(done.components, estimate_variance_components(done.block, task.scope, task.options, run));
+    done.adjusted = done.components->adjusted;
+    done.block = with_sigmas(done.block, done.components->factors);
+  } else if (done.snooped) {
+    done.adjusted = std::move(done.snooped->adjusted);
+  } else {
+    COLLINEA_TRY(done.adjusted, examine(done.block, task.scope, task.options, run));
+  }
+  done.additional_level = asked.additional_level;
+  done.additional =
+      test_additional(done.block, done.adjusted, task.options.test.sigma0_known, asked.additional_level);
+  apply(done.adjusted, done.block);
+  return done;
+}
+
+}  // namespace collinea

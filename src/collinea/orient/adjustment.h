@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "collinea/adjust/refraction.h"
+#include "collinea/orient/adjustment_options.h"
+#include "collinea/quality/additional_choice.h"
+#include "collinea/quality/snooping.h"
+#include "collinea/quality/variance_components.h"
+
+namespace collinea {
+
+/// All that is needed to adjust a block with the full model.
+struct AdjustmentTask {
+  Block block;
+  AdjustScope scope;
+  ExamineOptions options;
+};
+
+/// An adjusted block and all that is known of it.
+struct Adjustment {
+  Block block;                                   ///< as adjusted, with the sigmas that were used
+  Examined adjusted;                             ///< with covariances and reliability
+  std::optional<Refracted> refracted;            ///< when measurements were corrected for refraction
+  std::optional<Snooped> snooped;                ///< when gross errors were rejected; its `adjusted` may have been moved
+  std::optional<VarianceComponents> components;  ///< when they were estimated and applied
+  std::vector<AdditionalTest> additional;        ///< of cameras with additional parameters
+  double additional_level = 0;                   ///< of their tests
+};
+
+/// Gives the cameras of the task the additional set that was asked for, free or fixed. A camera with another set begins
+/// at zero. Answers the parameters that are fixed because the additional ones say the same, by name. Errors: parameters
+/// to be fixed that there are not.
+[[nodiscard]] Result<std::vector<std::string>> set_additional(const AdjustmentOptions& asked, AdjustmentTask& task);
+
+/// Adjusts as asked for: refraction, data snooping, variance components, tests of additional parameters. Errors: those of
+/// adjust(); refraction of a block without location on Earth.
+[[nodiscard]] Result<Adjustment> adjust_block(AdjustmentTask task, const AdjustmentOptions& asked, const Run& run);
+
+}  // namespace collinea

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/project/adjustment_task.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <string>
+
+#include "collinea/orient/control_rejection.h"
+#include "collinea/orient/instrument_options.h"
+#include "collinea/report/value_words.h"
+
+namespace collinea {
+namespace {
+
+Result<OrientationRecord> orientation_of(const Project& project) {
+  return project.store.read_outcome<OrientationRecord>().map_error([&](Error error) {
+    return error.code == Errc::kNotFound
+               ? Error{error.code, "the block is not oriented yet: collinea orient " + project.folder.string()}
+               : error;
+  });
+}
+
+// What orientation did without, or shall be done without, is compared all the same.
+void choose_geodetic(Block& block, const OrientationRecord& orientation, bool use_geodetic) {
+  const std::set<std::uint32_t> excluded(orientation.excluded_geodetic.begin(), orientation.excluded_geodetic.end());
+  for (std::size_t i = 0; i < block.geodetic.size(); ++i)
+    if (!use_geodetic || excluded.contains(static_cast<std::uint32_t>(i)))
+      block.geodetic[i].role = ControlRole::kCheck;
+}
+
+// What orientation found control to be worth, and where it moved the positions.
+void judge_as_orient_did(const OrientationRecord& orientation, bool shift_positions, Block& block, const Run& run) {
+  const SigmaFactors factors = factors_of(orientation.sigma_factors);
+  block = with_sigmas(block, factors);
+  const Eigen::Vector3d shift_m = shift_positions ? orientation.position_shift_m : Eigen::Vector3d(0, 0, 0);
+  if (!shift_m.isZero())
+    for (auto& [id, image] : block.images)
+      if (image.position) image.position->position_in_world += shift_m;
+  if (const std::string found = judgement_words(factors, shift_m); !found.empty())
+    run.say(fmt::format("note: as orientation found: {}; {} takes what was stated", found,
+                        run.spelled("given_sigmas"_option)));
+}
+
+// Control and positions as they took part in orientation.
+void take_control(const Project& project, const AdjustmentOptions& asked, const Block& setup,
+                  const ProjectAdjustment& result, Block& block) {
+  const bool shift_is_unknown = result.instruments.position_shift != PositionShift::kNone;
+  const AdjustScope& scope = result.task.scope;
+  if (scope.use_control) block = reject_wrong_control(block, block, shift_is_unknown, project.settings.seed).setup;
+  if (asked.snoop.value_or(false)) block.control_observations = setup.control_observations;  // rejected ones too
+  if (scope.use_control && !asked.given_sigmas)
+    judge_as_orient_did(result.orientation, !shift_is_unknown, block, project.run);
+}
+
+}  // namespace
+
+ExamineOptions examine_options(const AdjustmentOptions& asked, Calibration calibration) {
+  ExamineOptions options;
+  options.adjust.calibration = calibration;
+  options.adjust.loss = options.adjust.position_loss = asked.loss;
+  options.adjust.loss_scale_sigmas = asked.loss_scale_sigmas;
+  options.reliability = options.point_covariances = true;
+  options.test = asked.tests;
+  // What is signed is iterated until a step is a thousandth of the standard deviations; that is a step or two more.
+  options.adjust.relative_cost_change = 1e-12;
+  options.adjust.step_sigmas = 1e-3;
+  return options;
+}
+
+Result<ProjectAdjustment> adjustment_of(const Project& project, const AdjustmentOptions& asked) {
+  if (Result<> valid = validate(asked); !valid) return tl::unexpected(std::move(valid).error().within("adjust"));
+  ProjectAdjustment result;
+  COLLINEA_TRY(result.orientation, orientation_of(project));
+  const OrientationRecord& orientation = result.orientation;
+  COLLINEA_TRY(const Block setup, project.store.read_setup());
+  AdjustmentTask& task = result.task;
+  COLLINEA_TRY(task.block, project.store.read_found());
+  result.instruments = changed(orientation.instruments, asked.instruments);
+  task.scope = {.first_cameras = setup.cameras,
+                .use_positions = asked.use_positions && orientation.used_positions,
+                .use_control = asked.use_control && orientation.used_control};
+  if (orientation.holds_given_poses)
+    for (const auto& [image, pose] : oriented_images(task.block)) task.scope.fixed_images.insert(image);
+  take_control(project, asked, setup, result, task.block);
+  choose_geodetic(task.block, orientation, asked.use_geodetic && !orientation.holds_given_poses);
+  COLLINEA_TRY(add_instruments(task.block, result.instruments, task.scope));
+  task.options = examine_options(asked, asked.calibration.value_or(orientation.calibration));
+  COLLINEA_TRY(const std::vector<std::string> instead, set_additional(asked, task));
+  if (const std::string note = fixed_instead_words(instead); !note.empty()) project.run.say("note: " + note);
+  return result;
+}
+
+}  // namespace collinea

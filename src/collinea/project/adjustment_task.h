@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "collinea/orient/adjustment.h"
+#include "collinea/project/project.h"
+#include "collinea/store/step_records.h"
+
+namespace collinea {
+
+/// How the oriented block of a project is adjusted.
+struct ProjectAdjustment {
+  AdjustmentTask task;
+  OrientationRecord orientation;  ///< how the block was found
+  InstrumentOptions instruments;  ///< that take part
+};
+
+/// Begins at what orientation left, whatever was adjusted since: the same options give the same adjustment. Control and
+/// positions take part as they did there, with what was found of them. Notes say what differs from what was given.
+/// Errors: not oriented yet; options; instruments that the block has not.
+[[nodiscard]] Result<ProjectAdjustment> adjustment_of(const Project& project, const AdjustmentOptions& asked);
+
+/// Options of the adjustment that hold for projects and files alike. `calibration`: of cameras that do not say it
+/// themselves.
+[[nodiscard]] ExamineOptions examine_options(const AdjustmentOptions& asked, Calibration calibration);
+
+}  // namespace collinea

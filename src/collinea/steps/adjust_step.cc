@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/project/adjustment_task.h"
+#include "collinea/report/finding_words.h"
+#include "collinea/report/write_adjustment.h"
+#include "collinea/steps/internal/adjustment_record.h"
+#include "collinea/steps/step.h"
+
+namespace collinea {
+
+Result<StepOutput> adjust_step(Project& project, const std::string& inputs_hash) {
+  const AdjustmentOptions& options = project.settings.adjust;
+  COLLINEA_TRY(const ProjectAdjustment begun, adjustment_of(project, options));
+  COLLINEA_TRY(const Block setup, project.store.read_setup());
+  AdjustmentReport report;
+  COLLINEA_TRY(static_cast<Adjustment&>(report), adjust_block(begun.task, options, project.run));
+  report.title = title_of(project);
+  const AdjustmentRecord record = record_of(report, begun.orientation, setup, begun.task, begun.instruments);
+  COLLINEA_TRY(write_adjustment(report, project.folder / "adjustment"));
+  COLLINEA_TRY(project.store.write_adjustment(report.block, covariances_of(report)));
+  for (const std::string& note : notes_of(report)) project.run.say("note: " + note);
+  for (const Finding& finding : record.findings) project.run.say("note: " + sentence_of(finding, report.block));
+  return StepOutput{inputs_hash, record};
+}
+
+}  // namespace collinea
