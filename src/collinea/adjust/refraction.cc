@@ -82,6 +82,9 @@ Result<Refracted> correct_refraction(Block& block) {
     const double height = point.position_in_world.allFinite() ? height_of(*frame, point.position_in_world) : usual;
     correct(seen.image, height, seen.pixel);
   }
+  if (!heights.empty())
+    for (const auto& [id, station] : stations)
+      block.images.at(id).bend = {station.down_in_cam, refraction_rad(station.height_m, usual)};
   return result;
 }
 

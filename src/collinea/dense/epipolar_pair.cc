@@ -144,7 +144,8 @@ EpipolarPair epipolar_pair(double focal_px, double base_m, int left_width_px, in
 }
 
 Raster<std::uint8_t> resampled(const Raster<std::uint8_t>& image, const Camera& camera_of_image,
-                               const Eigen::Quaterniond& camera_from_image, const Camera& camera, const Run& run) {
+                               const Eigen::Quaterniond& camera_from_image, const Camera& camera, const Run& run,
+                               const RayBend& bend) {
   const int columns = (camera.width_px - 1) / kGrid + 2, rows = (camera.height_px - 1) / kGrid + 2;
   const Eigen::Quaterniond image_from_camera = camera_from_image.conjugate();
   const dense::Pinhole pinhole(camera);
@@ -152,7 +153,7 @@ Raster<std::uint8_t> resampled(const Raster<std::uint8_t>& image, const Camera& 
   parallel_for(run, std::size_t(rows), [&](std::size_t j) {
     for (int i = 0; i < columns; ++i) {
       const Eigen::Vector3d ray = image_from_camera * pinhole.ray(i * kGrid + 0.5, double(j) * kGrid + 0.5);
-      const auto pixel = project(camera_of_image, ray);
+      const auto pixel = project(camera_of_image, bend.bent(ray));
       grid[j * std::size_t(columns) + std::size_t(i)] =
           pixel ? Eigen::Vector2f((*pixel - Eigen::Vector2d(0.5, 0.5)).cast<float>()) : Eigen::Vector2f(NAN, NAN);
     }

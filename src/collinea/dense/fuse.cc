@@ -349,9 +349,10 @@ class Fusion {
     if (colours.channels < 3 || colours.width != camera.width_px || colours.height != camera.height_px)
       return fail(Errc::kBadInput, block_.images.at(written.image).file + ": the colour image does not fit its camera");
     const Rigid3& cam_from_world = pose_of(block_, written.image);
+    const RayBend& bend = block_.images.at(written.image).bend;
     parallel_for(run_, strips.size(), [&](std::size_t i) {
       for (FusedPoint& point : strips[i].points) {
-        const auto pixel = project(camera, cam_from_world * point.position_in_world);
+        const auto pixel = project(camera, bend.bent(cam_from_world * point.position_in_world));
         if (!pixel) continue;
         for (int c = 0; c < 3; ++c)
           point.colour[std::size_t(c)] = std::uint8_t(bilinear(colours, pixel->x(), pixel->y(), c) + 0.5f);

@@ -61,9 +61,9 @@ Camera camera_of_level(const Camera& camera, int level) {
   return result;
 }
 
-GreyImage undistorted(const GreyImage& image, const Camera& camera) {
-  if (!is_ideal(camera))
-    return resampled(image, camera, Eigen::Quaterniond::Identity(), without_distortion(camera), Run{});
+GreyImage undistorted(const GreyImage& image, const Camera& camera, const RayBend& bend) {
+  if (!is_ideal(camera) || bend.per_tangent_rad != 0)
+    return resampled(image, camera, Eigen::Quaterniond::Identity(), without_distortion(camera), Run{}, bend);
   GreyImage result(image.width, image.height);
   std::transform(image.data.begin(), image.data.end(), result.data.begin(),
                  [](std::uint8_t v) { return std::max<std::uint8_t>(v, 1); });
@@ -103,7 +103,7 @@ Result<WorkingImage> WorkingImages::make(ImageId image) const {
                                      " x " + std::to_string(file.height) + " pixels, its camera " +
                                      std::to_string(camera.width_px) + " x " + std::to_string(camera.height_px));
   WorkingImage result{without_distortion(camera), {}};
-  result.levels.push_back(undistorted(file, camera));
+  result.levels.push_back(undistorted(file, camera, block_.images.at(image).bend));
   while (std::min(result.levels.back().width, result.levels.back().height) >= 2 * kSmallestSide)
     result.levels.push_back(halved(result.levels.back()));
   return result;

@@ -28,8 +28,9 @@ struct WorkingImage {
 /// The camera without distortion that shares focal length, principal point and size with `camera`.
 [[nodiscard]] Camera without_distortion(const Camera& camera);
 
-/// An image resampled (bicubically) into without_distortion(camera); `camera` fits the image.
-[[nodiscard]] GreyImage undistorted(const GreyImage& image, const Camera& camera);
+/// An image resampled (bicubically) into without_distortion(camera), as it would be without the bend of its rays;
+/// `camera` fits the image.
+[[nodiscard]] GreyImage undistorted(const GreyImage& image, const Camera& camera, const RayBend& bend = {});
 
 /// Half the size, by the mean of 2 x 2 pixels; 0 where one of them is 0.
 [[nodiscard]] GreyImage halved(const GreyImage& image);

@@ -217,6 +217,7 @@ std::vector<PlaneView> views_of_plane(const Block& block, const FramedPlane& pla
     if (!(centre.z() > 0)) continue;  // behind the plane
     const Eigen::Matrix3d rotation = cam_from_world.rotation.toRotationMatrix();
     PlaneView view{image, block.camera_of(image), {}, centre};
+    view.bend = block.images.at(image).bend;
     view.cam_from_plane << rotation * plane.world_from_plane.leftCols<2>(), cam_from_world * plane.origin_in_world;
     views.push_back(std::move(view));
   }

@@ -101,9 +101,10 @@ Result<Prepared> oriented_pair(const Block& block, const Side& left, const Side&
   COLLINEA_TRY(const ColourImage left_image, read_colour(left.file, left.shrink));
   COLLINEA_TRY(const GreyImage left_grey, read_grey(left.file, left.shrink));
   COLLINEA_TRY(const GreyImage right_grey, read_grey(right.file, right.shrink));
-  ready.colours = resampled(left_image, left.camera, cameras.left_from_image, cameras.left, run);
-  ready.left = resampled(left_grey, left.camera, cameras.left_from_image, cameras.left, run);
-  ready.right = resampled(right_grey, right.camera, cameras.right_from_image, cameras.right, run);
+  const RayBend &left_bend = block.images.at(left.image).bend, &right_bend = block.images.at(right.image).bend;
+  ready.colours = resampled(left_image, left.camera, cameras.left_from_image, cameras.left, run, left_bend);
+  ready.left = resampled(left_grey, left.camera, cameras.left_from_image, cameras.left, run, left_bend);
+  ready.right = resampled(right_grey, right.camera, cameras.right_from_image, cameras.right, run, right_bend);
   const auto points = points_seen_by_both(block, left.image, right.image);
   ready.from_points = range_of(cameras, points);
   ready.cameras = cameras;

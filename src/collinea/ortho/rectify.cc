@@ -28,7 +28,7 @@ constexpr std::size_t kImageBytes = std::size_t{512} << 20;
 std::optional<Vector2d> pixel_of(const PlaneView& view, const Vector2d& on_plane_m) {
   const Vector3d ray = view.cam_from_plane * on_plane_m.homogeneous();
   if (!(ray.z() > 1e-9 * ray.norm())) return {};
-  const auto pixel = project(view.camera, ray);
+  const auto pixel = project(view.camera, view.bend.bent(ray));
   return pixel && inside(view.camera, *pixel) ? pixel : std::nullopt;
 }
 

@@ -20,6 +20,7 @@ struct PlaneView {
   Camera camera;
   Eigen::Matrix3d cam_from_plane;
   std::optional<Eigen::Vector3d> centre_over_plane;  ///< of projection, in the frame of the plane; nothing: not known
+  RayBend bend = {};
 };
 
 /// Where a point of the plane is seen; nothing behind the camera and beside the image.

@@ -37,6 +37,7 @@ std::vector<View> views_of(const Block& block, const LocalFrame* frame) {
     view.camera_id = block.images.at(id).camera;
     view.camera = block.camera_of(id);
     view.cam_from_world = cam_from_world;
+    view.bend = block.images.at(id).bend;
     view.rotation = cam_from_world.rotation.toRotationMatrix();
     view.centre_in_world = centre_of(cam_from_world);
     view.most_run_per_rise = most_run_per_rise_of(view);

@@ -17,6 +17,7 @@ struct View {
   CameraId camera_id;
   Camera camera;
   Rigid3 cam_from_world;
+  RayBend bend;
   Eigen::Matrix3d rotation;  ///< of cam_from_world: millions of points are turned by it
   Eigen::Vector3d centre_in_world, centre_in_map;
   /// How far the flattest line of sight of the image runs per rise, or more; infinite where one does not rise.
@@ -28,7 +29,7 @@ struct View {
 
 /// Where a point is seen, also beside the image; nothing when it cannot be.
 [[nodiscard]] inline std::optional<Eigen::Vector2d> pixel_of(const View& view, const Eigen::Vector3d& point_in_world) {
-  return project(view.camera, view.rotation * point_in_world + view.cam_from_world.translation);
+  return project(view.camera, view.bend.bent(view.rotation * point_in_world + view.cam_from_world.translation));
 }
 
 /// True when the pixel and its neighbours lie on the image.

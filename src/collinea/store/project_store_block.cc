@@ -457,6 +457,10 @@ Result<> write_poses(Database& db, const std::string& table, const Block& block)
     for (const double value : {pose.rotation.w(), pose.rotation.x(), pose.rotation.y(), pose.rotation.z()})
       packer.put(value);
     put(packer, pose.translation);
+    if (const RayBend& bend = block.images.at(image).bend; bend.per_tangent_rad != 0) {
+      put(packer, bend.down_in_cam);
+      packer.put(bend.per_tangent_rad);
+    }
     COLLINEA_TRY(insert.bind(image.value).bind_blob(packer.bytes()).run());
   }
   return {};
@@ -472,8 +476,15 @@ Result<> read_poses(Database& db, const std::string& table, Block& block) {
     for (double* value : {&pose.rotation.w(), &pose.rotation.x(), &pose.rotation.y(), &pose.rotation.z()})
       unpacker.get(*value);
     get(unpacker, pose.translation);
+    const ImageId image{std::uint32_t(select.integer(0))};
+    const auto found = block.images.find(image);
+    if (found == block.images.end()) return damaged("pose of an image that is not there");
+    if (unpacker.left() > 0) {
+      get(unpacker, found->second.bend.down_in_cam);
+      unpacker.get(found->second.bend.per_tangent_rad);
+    }
     if (!unpacker.done()) return damaged("pose of an image");
-    set_pose(block, {std::uint32_t(select.integer(0))}, pose);
+    set_pose(block, image, pose);
   }
 }
 
