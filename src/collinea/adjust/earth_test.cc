@@ -150,6 +150,18 @@ TEST(Earth, RefractionIsTakenOffTheRays) {
   EXPECT_GT(done->largest_px, 0.05);
   for (std::size_t i = 0; i < truth.observations.size(); ++i)
     EXPECT_LT((corrected.observations[i].pixel - truth.observations[i].pixel).norm(), 2e-3);
+  // Photographs show a point where it was measured.
+  for (std::size_t i = 0; i < truth.observations.size(); i += 97) {
+    const Observation& seen = bent.observations[i];
+    const Eigen::Vector3d ray = pose_of(truth, seen.image) * truth.points.at(seen.point).position_in_world;
+    const Eigen::Vector3d shown = corrected.images.at(seen.image).bend.bent(ray);
+    const Camera& camera = truth.cameras.begin()->second;
+    const Eigen::Vector2d noise_px = truth.observations[i].pixel - *project(camera, ray);
+    EXPECT_LT((*project(camera, shown) + noise_px - seen.pixel).norm(), 5e-3);
+    EXPECT_GT((*project(camera, shown) - *project(camera, ray)).norm(), 0);
+  }
+  EXPECT_NEAR(largest_refraction_px(bent), done->largest_px, 0.2 * done->largest_px);
+  EXPECT_EQ(largest_refraction_px(testing::test_block()), 0);
   const auto right = adjust(corrected, {}, kPlain, {}), wrong = adjust(bent, {}, kPlain, {});
   ASSERT_TRUE(right && wrong);
   EXPECT_NEAR(right->sigma0, 1, 4 / std::sqrt(2.0 * double(right->redundancy)));

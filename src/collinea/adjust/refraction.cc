@@ -43,19 +43,47 @@ std::optional<Eigen::Vector2d> straight(const Station& station, const Eigen::Vec
   return project(*station.camera, rotation_by(bend / sine * axis) * ray);
 }
 
+std::map<ImageId, Station> stations_of(const Block& block, const LocalFrame& frame) {
+  std::map<ImageId, Station> stations;
+  for (const auto& [id, pose] : oriented_images(block)) {
+    const Eigen::Vector3d centre = centre_of(pose), position = frame.geographic_from_local(centre);
+    const Eigen::Vector3d below = frame.local_from_geographic({position.x(), position.y(), position.z() - 1000});
+    stations[id] = {&block.camera_of(id), pose, pose.rotation * (below - centre).normalized(), position.z()};
+  }
+  return stations;
+}
+
+double largest_at_corners_px(const Station& station, double ground_height_m) {
+  const RayBend bend{station.down_in_cam, refraction_rad(station.height_m, ground_height_m)};
+  double largest = 0;
+  for (const double x : {0.0, 1.0})
+    for (const double y : {0.0, 1.0}) {
+      const Eigen::Vector2d corner(x * station.camera->width_px, y * station.camera->height_px);
+      const auto seen = project(*station.camera, bend.bent(ray_in_cam(*station.camera, corner)));
+      if (seen) largest = std::max(largest, (*seen - corner).norm());
+    }
+  return largest;
+}
+
 }  // namespace
+
+double largest_refraction_px(const Block& block) {
+  const auto frame = world_frame(block);
+  if (!frame || !*frame || block.points.empty()) return 0;
+  double height_m = 0, largest = 0;
+  for (const auto& [id, point] : block.points)
+    height_m += height_of(**frame, point.position_in_world) / static_cast<double>(block.points.size());
+  for (const auto& [id, station] : stations_of(block, **frame))
+    largest = std::max(largest, largest_at_corners_px(station, height_m));
+  return largest;
+}
 
 Result<Refracted> correct_refraction(Block& block) {
   COLLINEA_TRY(const auto frame, world_frame(block));
   if (!frame)
     return fail(Errc::kBadInput,
                 "refraction needs heights above the sea: this block has no location on Earth (no GPS, no CRS)");
-  std::map<ImageId, Station> stations;
-  for (const auto& [id, pose] : oriented_images(block)) {
-    const Eigen::Vector3d centre = centre_of(pose), position = frame->geographic_from_local(centre);
-    const Eigen::Vector3d below = frame->local_from_geographic({position.x(), position.y(), position.z() - 1000});
-    stations[id] = {&block.camera_of(id), pose, pose.rotation * (below - centre).normalized(), position.z()};
-  }
+  const std::map<ImageId, Station> stations = stations_of(block, *frame);
   Refracted result;
   const auto correct = [&](ImageId image, double point_height_m, Eigen::Vector2d& pixel) {
     const auto station = stations.find(image);

@@ -99,10 +99,12 @@ std::string info_text(const ProjectInfo& info) {
   const AdjustmentRecord adjustment = adjusted ? *adjusted : AdjustmentRecord{};
   line("tie points", fmt::format("{} with {} observations", adjusted ? adjustment.tie_points : orientation.tie_points,
                                  adjusted ? adjustment.observations : orientation.observations));
-  line("mean reprojection",
-       number_text(adjusted ? std::optional(adjustment.mean_reprojection_px)
-                            : found ? std::optional(orientation.mean_reprojection_px) : std::nullopt, "px"));
-  if (adjusted) line("adjustment", fmt::format("sigma0 {:.3f}, redundancy {}", adjustment.sigma0, adjustment.redundancy));
+  line("mean reprojection", number_text(adjusted ? std::optional(adjustment.mean_reprojection_px)
+                                        : found  ? std::optional(orientation.mean_reprojection_px)
+                                                 : std::nullopt,
+                                        "px"));
+  if (adjusted)
+    line("adjustment", fmt::format("sigma0 {:.3f}, redundancy {}", adjustment.sigma0, adjustment.redundancy));
   if (found && !adjusted) line("adjustment", "not adjusted yet: no standard deviations");
   line("ground sample", number_text(orientation.gsd_m(), "m"));
   line("control RMSE", axes_text(adjustment.control_rmse_m));

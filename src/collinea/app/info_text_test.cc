@@ -46,7 +46,8 @@ ProjectInfo oriented() {
   wrong.point = {5};
   wrong.excluded = true;
   adjusted.control.emplace_back().point = {77};  // set up no more
-  info.steps = {{"a", "b", 1.5, 2.5, 3e6, DetectRecord{.images = 2, .features = 9}}, {"b", "c", 4, 5, 6e6, record},
+  info.steps = {{"a", "b", 1.5, 2.5, 3e6, DetectRecord{.images = 2, .features = 9}},
+                {"b", "c", 4, 5, 6e6, record},
                 {"c", "d", 1, 2, 3e6, adjusted}};
   return info;
 }

@@ -47,7 +47,7 @@ struct Image {
   std::optional<PositionPrior> position;
   std::optional<AttitudePrior> attitude;
   int orientation = 1;  ///< EXIF orientation tag: for display only, pixels are used as stored
-  RayBend bend;         ///< of measurements that were corrected for refraction: straight rays where the photograph has them
+  RayBend bend;  ///< of measurements that were corrected for refraction: straight rays where the photograph has them
 };
 
 /// A tie point: one point of the object seen in two or more images.

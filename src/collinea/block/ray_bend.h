@@ -10,8 +10,8 @@ struct RayBend {
   Eigen::Vector3d down_in_cam{0, 0, 1};  ///< unit vector to the nadir
   double per_tangent_rad = 0;            ///< over the tangent of the angle from the nadir; 0: rays are straight
 
-  /// The direction, of the same scale, in which the image shows what lies along the straight `ray`: to first order turned
-  /// by per_tangent_rad tan(angle). Beyond 75 degrees from the nadir, where layers are no longer flat, as it is.
+  /// The direction, of the same scale, in which the image shows what lies along the straight `ray`: to first order
+  /// turned by per_tangent_rad tan(angle). Beyond 75 degrees from the nadir, where layers are no longer flat, as it is.
   [[nodiscard]] Eigen::Vector3d bent(const Eigen::Vector3d& ray) const {
     constexpr double kSquaredTangent = 13.928;  // of 75 degrees
     if (per_tangent_rad == 0) return ray;

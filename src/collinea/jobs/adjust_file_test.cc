@@ -67,20 +67,18 @@ TEST_P(AdjustFileRoundTrip, WhatAProjectExportsGivesTheSameAdjustment) {
       EXPECT_NEAR(sigma, others[i].at("sigma").get<double>(), 1e-5 * sigma);
     }
     // What is asked otherwise takes the place of what the file says.
-    const auto without =
-        adjust_file(file, folder / "out",
-                    {.instruments = {.lever_arm = "0,0,0.1",
-                                     .position_shift = PositionShift::kNone,
-                                     .time_offset = false,
-                                     .use_attitudes = false}},
-                    {});
+    const auto without = adjust_file(file, folder / "out",
+                                     {.instruments = {.lever_arm = "0,0,0.1",
+                                                      .position_shift = PositionShift::kNone,
+                                                      .time_offset = false,
+                                                      .use_attitudes = false}},
+                                     {});
     ASSERT_TRUE(without) << without.error().message;
     EXPECT_FALSE(report_in(folder / "out").contains("auxiliary_unknowns"));
     ASSERT_TRUE(adjust_file(file, folder / "out", {}, {}));
   }
   EXPECT_NEAR(ours.at("sigma0").get<double>(), again.at("sigma0").get<double>(), 1e-9);
-  const auto poses = table_in(folder / "block" / "adjustment" / "poses.csv"),
-             back = table_in(folder / "out" / "poses.csv");
+  const auto poses = table_in(folder / "trial" / "poses.csv"), back = table_in(folder / "out" / "poses.csv");
   ASSERT_EQ(poses.size(), back.size());
   for (const auto& [image, row] : poses)
     for (std::size_t i = 1; i < row.size(); ++i) {
@@ -294,7 +292,7 @@ TEST(AdjustFile, AdditionalParametersAreTestedAndKept) {
        {AdjustmentOptions{.additional = AdditionalSet::kEbner, .additional_fixed = "a13"},
         AdjustmentOptions{.additional_fixed = "a1"}})
     EXPECT_EQ(try_adjustment(*project, wrong, folder / "trial").error().code, Errc::kBadInput);
-  const auto bent = try_adjustment(*project, {.refraction = true}, folder / "trial");
+  const auto bent = try_adjustment(*project, {.refraction = RefractionChoice::kOn}, folder / "trial");
   ASSERT_TRUE(bent) << bent.error().message;
 }
 

@@ -26,7 +26,7 @@ Result<AdjustmentReport> adjust_task(AdjustmentTask task, std::string title, con
   COLLINEA_TRY(static_cast<Adjustment&>(report), adjust_block(std::move(task), asked, run));
   report.title = std::move(title);
   for (const std::string& note : notes_of(report)) run.say("note: " + note);
-  COLLINEA_TRY(write_adjustment(report, folder));
+  COLLINEA_TRY(write_adjustment(report, folder, run));
   return report;
 }
 
@@ -128,8 +128,7 @@ Result<AdjustmentReport> try_adjustment(const Project& project, const Adjustment
   return adjust_task(std::move(begun.task), title_of(project), asked, folder, project.run);
 }
 
-Result<> export_adjustment(const Project& project, const AdjustmentOptions& asked,
-                           const std::filesystem::path& file) {
+Result<> export_adjustment(const Project& project, const AdjustmentOptions& asked, const std::filesystem::path& file) {
   COLLINEA_TRY(const ProjectAdjustment begun, adjustment_of(project, asked));
   return write_adjustment_file(file, file_of(begun.task));
 }

@@ -14,8 +14,7 @@ namespace collinea {
                                                       const std::filesystem::path& folder);
 
 /// Writes what would be adjusted, as a text file that adjust_file reads. Errors: not oriented yet, disk.
-Result<> export_adjustment(const Project& project, const AdjustmentOptions& options,
-                           const std::filesystem::path& file);
+Result<> export_adjustment(const Project& project, const AdjustmentOptions& options, const std::filesystem::path& file);
 
 /// Adjusts measurements without a project: finds approximate values that are missing, and writes report and tables to
 /// `folder`. A named set of free parameters takes the place of what the file says, but for the standard deviations of

@@ -96,6 +96,37 @@ TEST(AdjustProject, SnoopingTakesOutWhatIsWrongInAProject) {
   }
 }
 
+// Poses, cameras and points of the project are those of the step, whatever was adjusted before.
+TEST(AdjustStep, IsTheProjectsAndBeginsWhereOrientationEnded) {
+  const TestFolder folder;
+  auto project = open_small_survey(folder / "block");
+  ASSERT_TRUE(project && bring_up_to(*project, Step::kOrient));
+  const Block found = *project->store.read_block();
+  ASSERT_TRUE(bring_up_to(*project, Step::kAdjust));
+  const auto record = project->store.read_outcome<AdjustmentRecord>();
+  ASSERT_TRUE(record) << record.error().message;
+  EXPECT_EQ(record->images, count_oriented(found));
+  EXPECT_GT(record->redundancy, 0);
+  EXPECT_TRUE(record->control_rmse_m && record->position_rms_m);
+  EXPECT_EQ(report_in(folder / "block" / "adjustment").at("sigma0").get<double>(), record->sigma0);
+  const Block adjusted = *project->store.read_block();
+  const ImageId image = oriented_images(found).front().image;
+  EXPECT_NE(pose_of(found, image).translation, pose_of(adjusted, image).translation);
+  const auto covariances = project->store.read_covariances();
+  ASSERT_TRUE(covariances);
+  EXPECT_EQ(covariances->poses.size(), count_oriented(adjusted));
+  EXPECT_EQ(covariances->points.size(), adjusted.points.size());
+
+  project->settings.adjust.use_control = false;
+  ASSERT_TRUE(bring_up_to(*project, Step::kAdjust));
+  EXPECT_FALSE(project->store.read_outcome<AdjustmentRecord>()->control_rmse_m);
+  EXPECT_NE(pose_of(*project->store.read_block(), image).translation, pose_of(adjusted, image).translation);
+  EXPECT_EQ(pose_of(*project->store.read_found(), image).translation, pose_of(found, image).translation);
+  project->settings.adjust.use_control = true;
+  ASSERT_TRUE(bring_up_to(*project, Step::kAdjust));
+  EXPECT_EQ(pose_of(*project->store.read_block(), image).translation, pose_of(adjusted, image).translation);
+}
+
 TEST(AdjustProject, RefusesOptionsOutOfRange) {
   const TestFolder folder;
   SurveyOptions survey;

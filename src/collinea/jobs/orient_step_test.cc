@@ -90,21 +90,22 @@ TEST_F(OrientStepTest, SigmasOfCentresAndCamerasAreTimesSigma0) {
   for (ControlObservation& seen : setup_.control_observations) seen.sigma_px *= 4;  // better than stated
   for (auto& [id, image] : setup_.images) image.position->sigma_m *= 2;
   orient();
-  const auto pairs = project_->store.read_pairs();
-  const auto keypoints = [&](ImageId image) { return project_->store.read_keypoints(image); };
-  const auto found = collinea::orient(setup_, *pairs, keypoints, project_->settings.orient, project_->run);
-  ASSERT_TRUE(found) << found.error().message;
-  const double sigma0 = found->adjusted.sigma0;
+  const double sigma0 = adjustment().sigma0;
   ASSERT_GT(std::abs(sigma0 - 1), 0.002);
+  const auto covariances = project_->store.read_covariances();
+  ASSERT_TRUE(covariances) << covariances.error().message;
   const auto reported = report();
-  const auto& [image, pose] = *found->adjusted.pose_covariance.begin();
+  const auto& [image, pose] = *covariances->poses.begin();
   const auto& row = reported.at("image_list").at(0);
   ASSERT_EQ(row.at("file"), setup_.images.at(image).file);
   EXPECT_NEAR(row.at("centre_sigma_m").at(2).get<double>() / (sigma0 * std::sqrt(pose(5, 5))), 1, 1e-9);
-  const MatrixPd& camera = found->adjusted.camera_covariance.begin()->second;
+  const Eigen::MatrixXd& camera = covariances->cameras.begin()->second;
   EXPECT_NEAR(reported.at("cameras").at(0).at("parameters").at("f").at("sigma").get<double>() /
                   (sigma0 * std::sqrt(camera(Camera::kF, Camera::kF))),
               1, 1e-9);
+  const Block block = *project_->store.read_block();
+  ASSERT_EQ(covariances->points.size(), block.points.size());
+  for (const Eigen::Matrix3d& point : covariances->points) EXPECT_GT(point.determinant(), 0);
 }
 
 // No location on Earth, and control points that are only marked: what is measured between them tells the scale.
@@ -143,13 +144,11 @@ TEST_F(OrientStepTest, DistancesMakeABlockWithoutPositionMetric) {
   EXPECT_LT(check.at("sigma").get<double>(), 0.1);
 
   ASSERT_TRUE(try_adjustment(*project_, {}, folder_ / "trial"));
-  const nlohmann::json adjusted =
-      nlohmann::json::parse(*read_file(folder_ / "trial" / "adjustment.json"));
+  const nlohmann::json adjusted = nlohmann::json::parse(*read_file(folder_ / "trial" / "adjustment.json"));
   ASSERT_EQ(adjusted.at("geodetic").size(), 4u);
   EXPECT_EQ(adjusted.at("geodetic").at(0).at("role"), "control");
   EXPECT_EQ(adjusted.at("geodetic").at(2).at("role"), "check");  // what orientation left out stays out
-  EXPECT_NE(read_file(folder_ / "trial" / "geodetic.csv")->find("\"distance\",m,check"),
-            std::string::npos);
+  EXPECT_NE(read_file(folder_ / "trial" / "geodetic.csv")->find("\"distance\",m,check"), std::string::npos);
 }
 
 // An antenna, a constant error of the receiver and a clock that is late, on a flight with precise positions.

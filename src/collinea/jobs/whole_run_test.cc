@@ -54,6 +54,7 @@ class WholeProject : public SmallProject {
   void what_is_up_to_date_is_not_done_again();
   void a_lost_cloud_comes_back_with_its_classes();
   void a_changed_option_redoes_its_step_and_what_follows();
+  void another_adjustment_reaches_every_product();
   void options_of_fusion_leave_depth_maps_alone_and_others_do_not();
   void images_that_were_moved_are_only_read_again();
   void what_stands_in_the_way_of_a_product_is_named();
@@ -215,6 +216,24 @@ std::map<fs::path, fs::file_time_type> times_of_depth_maps(const fs::path& proje
   for (const auto& entry : fs::recursive_directory_iterator(project / "depth"))
     if (entry.path().extension() == ".tif") times[entry.path()] = fs::last_write_time(entry.path());
   return times;
+}
+
+// What is signed is what is delivered: another adjustment gives another cloud, surface and orthophoto, with their
+// sigmas, and the first one again gives the first ones.
+void WholeProject::another_adjustment_reaches_every_product() {
+  const fs::path project = copy("adjusted");
+  Settings changed = settings();
+  changed.adjust.use_control = false;
+  Log log;
+  ASSERT_TRUE(bring(project, changed, log, Step::kReport));
+  EXPECT_EQ(log.steps_done(), (std::vector<std::string>{"adjust", "densify", "surface", "terrain", "ortho", "report"}));
+  const std::vector<std::string> products = {"cloud.las", "dsm.tif",       "dsm_sigma.tif",
+                                             "dtm.tif",   "dtm_sigma.tif", "ortho.tif"};
+  for (const std::string& product : products)
+    EXPECT_FALSE(bytes_of(project / "products" / product) == bytes_of(root_ / "mapped/products" / product)) << product;
+  ASSERT_TRUE(bring(project, settings(), log, Step::kReport));
+  for (const std::string& product : products)
+    EXPECT_TRUE(bytes_of(project / "products" / product) == bytes_of(root_ / "mapped/products" / product)) << product;
 }
 
 void WholeProject::options_of_fusion_leave_depth_maps_alone_and_others_do_not() {
@@ -426,6 +445,7 @@ TEST_F(WholeProject, IsMappedChangedStoppedAndContinuedAsPromised) {
   what_is_up_to_date_is_not_done_again();
   a_lost_cloud_comes_back_with_its_classes();
   a_changed_option_redoes_its_step_and_what_follows();
+  another_adjustment_reaches_every_product();
   options_of_fusion_leave_depth_maps_alone_and_others_do_not();
   images_that_were_moved_are_only_read_again();
   what_stands_in_the_way_of_a_product_is_named();

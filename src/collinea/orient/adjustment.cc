@@ -39,6 +39,12 @@ void change_set(Camera& camera, AdditionalSet set) {
   camera.additional = set;
 }
 
+bool is_to_be_corrected(RefractionChoice choice, const Block& block) {
+  constexpr double kNoticeable_px = 0.05;  // a tenth of what images of tie points are measured to
+  if (choice != RefractionChoice::kAuto) return choice == RefractionChoice::kOn;
+  return largest_refraction_px(block) > kNoticeable_px;
+}
+
 }  // namespace
 
 InstrumentOptions changed(InstrumentOptions instruments, const InstrumentChanges& changes) {
@@ -87,7 +93,7 @@ Result<std::vector<std::string>> set_additional(const AdjustmentOptions& asked, 
 
 Result<Adjustment> adjust_block(AdjustmentTask task, const AdjustmentOptions& asked, const Run& run) {
   Adjustment done;
-  if (asked.refraction) {
+  if (is_to_be_corrected(asked.refraction, task.block)) {
     COLLINEA_TRY(done.refracted, correct_refraction(task.block));
   }
   done.block = std::move(task.block);
@@ -106,8 +112,7 @@ Result<Adjustment> adjust_block(AdjustmentTask task, const AdjustmentOptions& as
     COLLINEA_TRY(done.adjusted, examine(done.block, task.scope, task.options, run));
   }
   done.additional_level = asked.additional_level;
-  done.additional =
-      test_additional(done.block, done.adjusted, task.options.test.sigma0_known, asked.additional_level);
+  done.additional = test_additional(done.block, done.adjusted, task.options.test.sigma0_known, asked.additional_level);
   apply(done.adjusted, done.block);
   return done;
 }

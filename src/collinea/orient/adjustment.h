@@ -21,10 +21,10 @@ struct AdjustmentTask {
 
 /// An adjusted block and all that is known of it.
 struct Adjustment {
-  Block block;                                   ///< as adjusted, with the sigmas that were used
-  Examined adjusted;                             ///< with covariances and reliability
-  std::optional<Refracted> refracted;            ///< when measurements were corrected for refraction
-  std::optional<Snooped> snooped;                ///< when gross errors were rejected; its `adjusted` may have been moved
+  Block block;                         ///< as adjusted, with the sigmas that were used
+  Examined adjusted;                   ///< with covariances and reliability
+  std::optional<Refracted> refracted;  ///< when measurements were corrected for refraction
+  std::optional<Snooped> snooped;      ///< when gross errors were rejected; its `adjusted` may have been moved
   std::optional<VarianceComponents> components;  ///< when they were estimated and applied
   std::vector<AdditionalTest> additional;        ///< of cameras with additional parameters
   double additional_level = 0;                   ///< of their tests
@@ -35,8 +35,8 @@ struct Adjustment {
 /// to be fixed that there are not.
 [[nodiscard]] Result<std::vector<std::string>> set_additional(const AdjustmentOptions& asked, AdjustmentTask& task);
 
-/// Adjusts as asked for: refraction, data snooping, variance components, tests of additional parameters. Errors: those of
-/// adjust(); refraction of a block without location on Earth.
+/// Adjusts as asked for: refraction, data snooping, variance components, tests of additional parameters. Errors: those
+/// of adjust(); refraction of a block without location on Earth.
 [[nodiscard]] Result<Adjustment> adjust_block(AdjustmentTask task, const AdjustmentOptions& asked, const Run& run);
 
 }  // namespace collinea

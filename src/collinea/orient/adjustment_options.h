@@ -10,6 +10,16 @@
 
 namespace collinea {
 
+/// Whether measurements are corrected for refraction.
+enum class RefractionChoice { kAuto, kOn, kOff };
+inline constexpr Word<RefractionChoice> kRefractionChoiceWords[] = {
+    {RefractionChoice::kAuto, "auto", "where it moves the corner of an image by more than 0.05 px"},
+    {RefractionChoice::kOn, "on"},
+    {RefractionChoice::kOff, "off"}};
+[[nodiscard]] constexpr std::span<const Word<RefractionChoice>> words(RefractionChoice) {
+  return kRefractionChoiceWords;
+}
+
 /// What an adjustment takes differently of receivers and inertial systems than orientation, or the file, has it.
 struct InstrumentChanges {
   std::optional<LeverArmOption> lever_arm;
@@ -45,7 +55,7 @@ struct AdjustmentOptions {
   std::optional<AdditionalSet> additional;
   std::string additional_fixed;
   double additional_level = 0.01;
-  bool refraction = false;
+  RefractionChoice refraction = RefractionChoice::kAuto;
   Loss::Kind loss = Loss::kHuber;
   double loss_scale_sigmas = 2;
   bool use_positions = true;
@@ -71,7 +81,7 @@ struct AdjustmentOptions {
     visit(Field{"additional_level", &O::additional_level, "1",
                 "chance that one that is zero is called significant; of 44 less than one is then", 1e-12, 0.5});
     visit(Field{"refraction", &O::refraction, "",
-                "correct the measurements for the refraction of a standard atmosphere (high flights)"});
+                "correct the measurements for the refraction of a standard atmosphere"});
     visit(Field{"loss", &O::loss, "", "robust loss of tie points and positions"});
     visit(
         Field{"loss_scale_sigmas", &O::loss_scale_sigmas, "sigma", "residual from which the loss sets in", 0.01, 1e6});
@@ -84,10 +94,11 @@ struct AdjustmentOptions {
         Field{"given_sigmas", &O::given_sigmas, "",
               "take the sigmas of control and the coordinates of positions as they were given, also where orient found "
               "them contradicted"});
-    visit(Field{"snoop", &O::snoop, "",
-                "reject the worst suspect and adjust again, until none is left; measurements of control that orient "
-                "rejected are tried again. Of a project what is given (control, positions, ...) is examined so unless this is "
-                "no"});
+    visit(Field{
+        "snoop", &O::snoop, "",
+        "reject the worst suspect and adjust again, until none is left; measurements of control that orient "
+        "rejected are tried again. Of a project what is given (control, positions, ...) is examined so unless this is "
+        "no"});
     visit(Field{"snoop_most", &O::snoop_most, "1", "upper bound of what snooping rejects", 1, 1000000});
     visit(Field{"variance_components", &O::variance_components, "",
                 "estimate the standard deviations of each group of observations, and use them"});

@@ -7,7 +7,6 @@
 
 #include "collinea/math/median.h"
 #include "collinea/orient/additional.h"
-#include "collinea/orient/adjusted_findings.h"
 #include "collinea/orient/internal/block_parts.h"
 #include "collinea/orient/internal/control_adjustment.h"
 #include "collinea/orient/internal/incremental.h"
@@ -136,7 +135,7 @@ Result<ControlAdjustment> adjust_placed(Reconstruction& part, const AdjustScope&
   const bool shift_is_unknown = placed.instruments.position_shift != PositionShift::kNone;
   if (placed.georeferenced) return adjust_with_control(part, scope, shift_is_unknown, options, run);
   ControlAdjustment result;
-  COLLINEA_TRY(result.adjusted, adjust_with_covariances(part, scope, options, run));
+  COLLINEA_TRY(result.adjusted, adjust_settled(part, scope, options, run));
   return result;
 }
 
@@ -160,11 +159,9 @@ std::vector<ImageId> images_alone(const Orientation& result) {
   return alone;
 }
 
-// The block as a value, what it does not contain, and what its geodetic observations and instruments show.
+// The block as a value, and what it does not contain.
 void finish(const Reconstruction& part, Orientation& result) {
   result.block = part.block();
-  result.adjusted_findings =
-      adjusted_findings(result.block, result.adjusted, part.setup().cameras, result.excluded_geodetic);
   result.alone = images_alone(result);
   result.gsd_m = median_pixel_m(result.block);
   for (const auto& other : result.other_parts)
@@ -198,7 +195,9 @@ Result<Orientation> adjust_in_world(BegunBlock begun, const Sources& sources, co
   result.sigma_factors = adjustment.sigma_factors;
   result.position_shift_m = adjustment.position_shift_m;
   add(result, adjustment.findings);
-  result.calibration = calibration_used(result.adjusted, scope, settled_options(part, options).calibration);
+  result.options = settled_options(part, options);
+  result.calibration = calibration_used(result.adjusted, scope, result.options.calibration);
+  result.scope = with_first_cameras(std::move(scope), part.setup().cameras);
 
   finish(part, result);
   add(result, weak_cases(result.block, sources.pairs));
@@ -232,9 +231,10 @@ Result<Orientation> keep_poses(BegunBlock begun, const OrientOptions& options, c
 
   const Placement placed = set_datum(part, begun.given, options, run.seed);
   take(placed, result);
-  COLLINEA_TRY(Adjusted adjusted, part.adjust_all(adjust, scope, run));
-  result.adjusted = Examined{std::move(adjusted)};
+  COLLINEA_TRY(result.adjusted, part.adjust_all(adjust, scope, run));
+  result.options = adjust;
   result.calibration = calibration_used(result.adjusted, scope, adjust.calibration);
+  result.scope = with_first_cameras(std::move(scope), part.setup().cameras);
   result.holds_given_poses = true;
   for (ControlDifference& control : result.adjusted.control) control.used |= placed.in_datum.contains(control.point);
   finish(part, result);

@@ -20,7 +20,9 @@ struct CalibrationUsed {
 /// An oriented block and how it came about.
 struct Orientation {
   Block block;        ///< poses, cameras as adjusted, tie points, observations; control and positions that were used
-  Examined adjusted;  ///< of `block`; with covariances of poses and cameras, unless poses were fixed as given
+  Adjusted adjusted;  ///< of `block`, coarsely: near enough for an adjustment with all that follows from it
+  AdjustScope scope;  ///< of that
+  AdjustOptions options;
   bool georeferenced = false;                     ///< false: gauge without position, see adjusted.datum
   bool metric = false;                            ///< lengths are in metres: georeferenced, or scaled by distances
   bool relative_heights = false;                  ///< georeferenced in plan, but nothing gave a height
@@ -29,7 +31,6 @@ struct Orientation {
   std::vector<ImageId> alone;                     ///< images that are in no part
   int gross_measurements = 0;                     ///< of tie points, left out before the final least squares
   std::vector<Finding> findings;                  ///< gross errors in control among them
-  std::vector<Finding> adjusted_findings;         ///< what `adjusted` shows (adjusted_findings())
   std::set<ControlId> excluded_control;           ///< control points that were found wrong and not used
   std::set<std::size_t> excluded_geodetic;        ///< the same of Block::geodetic
   SigmaFactors sigma_factors = as_given();    ///< what the given sigmas were multiplied by: control's, by what it shows
@@ -42,9 +43,9 @@ struct Orientation {
 
 /// Orients a block from verified pairs: growth image by image, or from all at once (options.mode); the largest of
 /// several parts is kept; with options.remeasure its tie points are measured anew in `images`; then datum by
-/// positions (GNSS) and control, or scale by distances where neither fixes it, examination of both, and a final
-/// adjustment with all observations. Errors: no two
-/// images fit together; mode global without positions; cancelled.
+/// positions (GNSS) and control, or scale by distances where neither fixes it, examination of both, and an
+/// adjustment with all observations, without covariances. Errors: no two images fit together; mode global without
+/// positions; cancelled.
 [[nodiscard]] Result<Orientation> orient(const Block& setup, std::span<const ImagePair> pairs,
                                          const KeypointSource& keypoints, const OrientOptions& options, const Run& run,
                                          const ImageSource& images = {});

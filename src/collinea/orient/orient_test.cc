@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/orient/orient.h"
 
+#include "collinea/orient/additional.h"
+
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -23,6 +25,13 @@ Matched on_the_map(const Block& block) {
   Matched result = matched(block);
   result.setup.georeference = Georeference{"EPSG:32633", 48, 15, 300};
   return result;
+}
+
+// As the next adjustment sees it.
+Examined examined(const Orientation& found) {
+  auto adjusted = examine(found.block, found.scope, {.adjust = found.options}, {});
+  EXPECT_TRUE(adjusted) << adjusted.error().message;
+  return *std::move(adjusted);
 }
 
 Result<Orientation> orient(const Matched& input, const Run& run = {}) {
@@ -76,7 +85,7 @@ TEST(Orient, AdditionalParametersUnbendTheImages) {
   // The same noise: that more is unknown costs something, but not half as much again.
   EXPECT_LT(centre_rms_m(with->block, bent.truth, true), 1.5 * best);
   EXPECT_GT(centre_rms_m(without->block, bent.truth, true), 3 * kPixel_m);  // by which the image is bent
-  EXPECT_TRUE(mentions(with->findings, FindingCode::kAdditionalSignificant));
+  EXPECT_TRUE(mentions(additional_findings(with->block, examined(*with)), FindingCode::kAdditionalSignificant));
 }
 
 TEST(Orient, WithoutReadableImagesNothingIsMeasuredAnew) {
@@ -115,7 +124,8 @@ TEST(Orient, TheCameraOfASmallBlockIsAsGoodAsItsSigmasSay) {
     const Eigen::Vector3d error(camera.params[Camera::kF] - exact.params[Camera::kF],
                                 camera.params[Camera::kCx] - exact.params[Camera::kCx],
                                 camera.params[Camera::kCy] - exact.params[Camera::kCy]);
-    const Eigen::Matrix3d covariance = found->adjusted.camera_covariance.begin()->second.topLeftCorner<3, 3>();
+    const Examined adjusted = examined(*found);
+    const Eigen::Matrix3d covariance = adjusted.camera_covariance.begin()->second.topLeftCorner<3, 3>();
     sum += error.dot(covariance.inverse() * error) / kBlocks;
   }
   EXPECT_GT(sum, 1.89);
@@ -306,7 +316,8 @@ TEST(Orient, ControlThatIsWorseThanStatedGetsTheSigmaItShows) {
     plan += *plan_m * *plan_m / kBlocks;
     height += height_m * height_m / kBlocks;
     EXPECT_TRUE(mentions(found->findings, FindingCode::kPositionsShifted));
-    for (const ControlDifference& control : found->adjusted.control) {
+    const Examined adjusted = examined(*found);
+    for (const ControlDifference& control : adjusted.control) {
       if (!control.used) continue;
       shift_m += control.difference_m.x() / (6 * kBlocks);
       for (int axis = 0; axis < 3; ++axis)
@@ -426,7 +437,8 @@ TEST(Orient, ASingleStripErrsAsItsSigmasSay) {
     const Rigid3 &pose = pose_of(found->block, middle), &exact = pose_of(input.truth, middle);
     Eigen::Matrix<double, 6, 1> error;
     error << rotation_vector(pose.rotation.conjugate() * exact.rotation), centre_of(exact) - centre_of(pose);
-    const Matrix6d& covariance = found->adjusted.pose_covariance.at(middle);
+    const Examined adjusted = examined(*found);
+    const Matrix6d& covariance = adjusted.pose_covariance.at(middle);
     pose_sum += error.dot(covariance.ldlt().solve(error)) / kStrips;
     rotation_sum += error[0] * error[0] / covariance(0, 0) / kStrips;
     EXPECT_GT(std::sqrt(covariance(0, 0)), 0.005);  // 17 mrad of the attitudes, and what the positions add

@@ -26,8 +26,7 @@ Result<OrientationRecord> orientation_of(const Project& project) {
 void choose_geodetic(Block& block, const OrientationRecord& orientation, bool use_geodetic) {
   const std::set<std::uint32_t> excluded(orientation.excluded_geodetic.begin(), orientation.excluded_geodetic.end());
   for (std::size_t i = 0; i < block.geodetic.size(); ++i)
-    if (!use_geodetic || excluded.contains(static_cast<std::uint32_t>(i)))
-      block.geodetic[i].role = ControlRole::kCheck;
+    if (!use_geodetic || excluded.contains(static_cast<std::uint32_t>(i))) block.geodetic[i].role = ControlRole::kCheck;
 }
 
 // What orientation found control to be worth, and where it moved the positions.

@@ -107,4 +107,19 @@ Result<Examined> examine(Adjuster& adjuster, const Block& block, const AdjustSco
   return examine(std::move(solved), options, run);
 }
 
+Result<Adjusted> adjust_with_control_precision(Adjuster& adjuster, const Block& block, const AdjustScope& scope,
+                                               const AdjustOptions& options, const Run& run) {
+  COLLINEA_TRY(Solved solved, adjuster.solve(block, scope, options, run));
+  Adjusted adjusted = solved.take_estimate();
+  auto [factor, failed_row] = solved.factor(run);
+  if (factor && !run.stopped()) {
+    const FreeNetwork free_network(solved, *factor);
+    bundle::predict_check_points(solved, *factor, free_network, run, adjusted);
+    factor->invert(run);
+    if (!run.stopped()) bundle::predict_control_points(solved, *factor, free_network, adjusted);
+  }
+  if (run.stopped()) return fail(Errc::kCancelled, "bundle adjustment stopped");
+  return adjusted;
+}
+
 }  // namespace collinea

@@ -68,4 +68,10 @@ struct Examined : Adjusted {
 [[nodiscard]] Result<Examined> examine(Adjuster& adjuster, const Block& block, const AdjustScope& scope,
                                        const ExamineOptions& options, const Run& run);
 
+/// Adjusts, and fills what Adjusted keeps of standard deviations of control and check points alone: a fraction of the
+/// work of examine(). Errors: those of adjust().
+[[nodiscard]] Result<Adjusted> adjust_with_control_precision(Adjuster& adjuster, const Block& block,
+                                                             const AdjustScope& scope, const AdjustOptions& options,
+                                                             const Run& run);
+
 }  // namespace collinea

@@ -25,7 +25,7 @@ TEST(WriteAdjustment, ACalibratedCameraWithoutCovarianceHasNoSigmasAndAFixedOneH
   report.block.cameras[{2}].name = "held";
   report.adjusted.cameras[{1}] = report.block.cameras[{1}];
   report.adjusted.undetermined = finding_of(FindingCode::kUndetermined, {Subject(Aspect::kScale)});
-  ASSERT_TRUE(write_adjustment(report, folder / "out"));
+  ASSERT_TRUE(write_adjustment(report, folder / "out", {}));
   const std::string table = *read_file(folder / "out" / "cameras.csv");
   EXPECT_NE(table.find("\"free\",f,px,1500,\n"), std::string::npos) << table;
   EXPECT_NE(table.find("\"held\",f,px,1500,0\n"), std::string::npos) << table;

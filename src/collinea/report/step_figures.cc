@@ -92,6 +92,7 @@ json figures_of_record(const OrientationRecord& record, const Block& block) {
   json figures = object_of(record, block);
   figures["gsd_m"] = value_of(record.gsd_m(), block);
   figures["sigma_factors"] = list_of(factors_of(record.sigma_factors), block);  // of all groups, in their order
+  figures["calibration"] = word_of(record.calibration);
   return figures;
 }
 

@@ -3,10 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "collinea/base/file.h"
+#include "collinea/base/parallel.h"
 #include "collinea/block/geodetic_words.h"
 #include "collinea/report/finding_words.h"
 #include "collinea/report/internal/adjustment_findings.h"
@@ -77,10 +79,8 @@ std::string observations_csv(const AdjustmentReport& report, const std::vector<T
   return text;
 }
 
-}  // namespace
-
-Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem::path& folder) {
-  COLLINEA_TRY(const AdjustmentProducts products, products_of(report));
+Result<> write_texts(const AdjustmentReport& report, const AdjustmentProducts& products,
+                     const std::filesystem::path& folder) {
   static const Reliability kNone;
   const Reliability& tests = report.adjusted.reliability ? *report.adjusted.reliability : kNone;
   const std::pair<const char*, std::string> files[] = {{"poses.csv", poses_csv(report, products)},
@@ -95,9 +95,25 @@ Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem:
                                                        {"adjustment.json", adjustment_json(report)},
                                                        {"adjustment.html", adjustment_page(report, products)}};
   for (const auto& [name, text] : files) COLLINEA_TRY(write_file(folder / name, text));
-  COLLINEA_TRY(write_products(report, products, folder / "adjustment.gpkg"));
   if (report.snooped) return write_file(folder / "rejected.csv", rejected_csv(*report.snooped));
   return remove_file(folder / "rejected.csv");  // of an earlier adjustment
+}
+
+}  // namespace
+
+Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem::path& folder, const Run& run) {
+  COLLINEA_TRY(const AdjustmentProducts products, products_of(report));
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);  // what is wrong with it shows below
+  // The GeoPackage is a database, and takes as long as all texts.
+  std::array<Result<>, 2> written;
+  parallel_for(run, written.size(), [&](std::size_t i) {
+    written[i] =
+        i == 0 ? write_products(report, products, folder / "adjustment.gpkg") : write_texts(report, products, folder);
+  });
+  for (Result<>& one : written)
+    if (!one) return std::move(one);
+  return {};
 }
 
 }  // namespace collinea

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "collinea/base/result.h"
+#include "collinea/base/run.h"
 #include "collinea/report/adjustment_report.h"
 #include "collinea/report/internal/adjustment_products.h"
 
@@ -16,7 +17,8 @@ namespace collinea {
 /// observations.csv (control, positions and ground, each with its test), suspects.csv and, after snooping,
 /// rejected.csv. Lengths in metres, angles in degrees, standard deviations times sigma0. Errors: disk, a CRS that PROJ
 /// does not know.
-[[nodiscard]] Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem::path& folder);
+[[nodiscard]] Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem::path& folder,
+                                        const Run& run);
 
 [[nodiscard]] std::string adjustment_page(const AdjustmentReport& report, const AdjustmentProducts& products);
 [[nodiscard]] std::string adjustment_json(const AdjustmentReport& report);

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
+
+#include "collinea/base/parallel.h"
 #include "collinea/project/adjustment_task.h"
 #include "collinea/report/finding_words.h"
 #include "collinea/report/write_adjustment.h"
@@ -15,8 +18,12 @@ Result<StepOutput> adjust_step(Project& project, const std::string& inputs_hash)
   COLLINEA_TRY(static_cast<Adjustment&>(report), adjust_block(begun.task, options, project.run));
   report.title = title_of(project);
   const AdjustmentRecord record = record_of(report, begun.orientation, setup, begun.task, begun.instruments);
-  COLLINEA_TRY(write_adjustment(report, project.folder / "adjustment"));
-  COLLINEA_TRY(project.store.write_adjustment(report.block, covariances_of(report)));
+  std::array<Result<>, 2> written;
+  parallel_for(project.run, written.size(), [&](std::size_t i) {
+    written[i] = i == 0 ? write_adjustment(report, project.folder / "adjustment", project.run)
+                        : project.store.write_adjustment(report.block, covariances_of(report));
+  });
+  for (Result<>& one : written) COLLINEA_TRY(std::move(one));
   for (const std::string& note : notes_of(report)) project.run.say("note: " + note);
   for (const Finding& finding : record.findings) project.run.say("note: " + sentence_of(finding, report.block));
   return StepOutput{inputs_hash, record};

@@ -55,7 +55,7 @@ void add_products(const Project& project, ReportInput& input) {
 
 // Heights follow the control where it took part; receivers give them above the ellipsoid.
 std::optional<HeightReference> height_reference(const ReportInput& input, const OrientationRecord& orientation,
-                                                 const AdjustmentRecord& adjustment) {
+                                                const AdjustmentRecord& adjustment) {
   if (input.crs_name.find(" + ") != std::string::npos) return std::nullopt;  // the name says it
   if (orientation.relative_heights) return HeightReference::kMiddleCamera;
   return adjustment.control_rmse_m ? HeightReference::kControlPoints : HeightReference::kEllipsoid;

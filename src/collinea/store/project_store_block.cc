@@ -495,8 +495,7 @@ Result<> read_orientation_tables(Database& db, const OrientationTables& tables, 
 }
 
 Result<> read_tie_tables(Database& db, const OrientationTables& tables, Block& block) {
-  COLLINEA_TRY(const auto bytes,
-               db.integer("SELECT coalesce(sum(length(data)), 0) FROM " + tables.observations));
+  COLLINEA_TRY(const auto bytes, db.integer("SELECT coalesce(sum(length(data)), 0) FROM " + tables.observations));
   block.observations.reserve(std::size_t(bytes) / ObservationRecord::kBytes);  // growing would take twice as much
   auto& points = block.points;
   const auto take_point = [&](const PointRecord::Value& p) {
@@ -529,8 +528,9 @@ Result<> read_ties_in_order(Database& db, const Block& block, const TakeTie& tak
 }
 
 Result<> erase_orientation(Database& db) {
-  std::string erase = "DELETE FROM oriented; DELETE FROM pose_covariances; DELETE FROM camera_covariances; "
-                      "DELETE FROM point_covariances;";
+  std::string erase =
+      "DELETE FROM oriented; DELETE FROM pose_covariances; DELETE FROM camera_covariances; "
+      "DELETE FROM point_covariances;";
   for (const OrientationTables& tables : {kCurrent, kFound})
     for (const std::string& table : tables.all()) erase += "DELETE FROM " + table + ";";
   return db.execute(erase);

@@ -275,6 +275,44 @@ TEST_F(ProjectStoreTest, ASmallerOrientationReplacesALargerOne) {
   expect_same_orientation(*store.read_block(), small);
 }
 
+TEST_F(ProjectStoreTest, AnAdjustmentKeepsWhatItBeganWith) {
+  const Block found = oriented_block(6000);
+  Block adjusted = oriented_block(50);
+  adjusted.images.begin()->second.bend = {Eigen::Vector3d(0.1, 0.2, 0.97), 3e-5};
+  BlockCovariances covariances;
+  Random random(7);
+  const auto symmetric = [&](Eigen::Index size) {
+    const Eigen::MatrixXd any = Eigen::MatrixXd::NullaryExpr(size, size, [&] { return random.normal(); });
+    return Eigen::MatrixXd(any + any.transpose());
+  };
+  for (const auto& [image, pose] : oriented_images(adjusted)) covariances.poses[image] = symmetric(6);
+  for (const auto& [camera, its] : adjusted.cameras) covariances.cameras[camera] = symmetric(11);
+  for (std::size_t i = 0; i < adjusted.points.size(); ++i) covariances.points.emplace_back(symmetric(3));
+  ProjectStore store = open();
+  ASSERT_TRUE(store.write_setup(setup_block()));
+  ASSERT_TRUE(store.write_orientation(found));
+  EXPECT_TRUE(store.read_covariances()->poses.empty());
+  expect_same_orientation(*store.read_found(), found);
+  for (int times = 0; times < 2; ++times) {  // the second begins where the first did
+    ASSERT_TRUE(store.write_adjustment(adjusted, covariances));
+    const Block block = *store.read_block();
+    expect_same_orientation(block, adjusted);
+    EXPECT_EQ(block.images.begin()->second.bend.per_tangent_rad, 3e-5);
+    EXPECT_EQ(block.images.begin()->second.bend.down_in_cam, Eigen::Vector3d(0.1, 0.2, 0.97));
+    const Block before = *store.read_found();
+    expect_same_orientation(before, found);
+    EXPECT_EQ(before.images.begin()->second.bend.per_tangent_rad, 0);
+    const auto known = store.read_covariances();
+    ASSERT_TRUE(known) << known.error().message;
+    EXPECT_TRUE(known->poses == covariances.poses && known->cameras == covariances.cameras);
+    EXPECT_TRUE(known->points == covariances.points);
+  }
+  const Block other = oriented_block(2);
+  ASSERT_TRUE(store.write_orientation(other));  // of another orientation nothing was adjusted yet
+  EXPECT_TRUE(store.read_covariances()->points.empty());
+  expect_same_orientation(*store.read_found(), other);
+}
+
 TEST_F(ProjectStoreTest, AnOrientationOfVanishedImagesIsErasedWithThem) {
   ProjectStore store = open();
   Block setup = setup_block();

@@ -132,19 +132,19 @@ struct CalibrationRecord {
 struct OrientationRecord {
   static constexpr std::string_view kStep = "orient";
   std::uint64_t images = 0, oriented = 0, tie_points = 0;
-  std::uint64_t observations = 0;        ///< of tie points
-  std::uint64_t gross_measurements = 0;  ///< of tie points, rejected
-  double mean_reprojection_px = 0;       ///< mean length of the residuals of tie points
-  double pixel_size = 0;                 ///< median at the tie points [m, or units of the gauge]
-  bool georeferenced = false;            ///< false: a gauge without location on Earth
-  bool metric = false;                   ///< lengths are in metres
-  bool relative_heights = false;         ///< georeferenced in plan, but nothing gave a height
-  bool holds_given_poses = false;        ///< poses are those of another program, not to be adjusted
-  Gauge gauge;                           ///< what fixes position, attitude and scale
+  std::uint64_t observations = 0;                     ///< of tie points
+  std::uint64_t gross_measurements = 0;               ///< of tie points, rejected
+  double mean_reprojection_px = 0;                    ///< mean length of the residuals of tie points
+  double pixel_size = 0;                              ///< median at the tie points [m, or units of the gauge]
+  bool georeferenced = false;                         ///< false: a gauge without location on Earth
+  bool metric = false;                                ///< lengths are in metres
+  bool relative_heights = false;                      ///< georeferenced in plan, but nothing gave a height
+  bool holds_given_poses = false;                     ///< poses are those of another program, not to be adjusted
+  Gauge gauge;                                        ///< what fixes position, attitude and scale
   bool used_positions = false, used_control = false;  ///< they took part
-  std::map<std::string, double> sigma_factors;  ///< what given sigmas were multiplied by, by word of ObservationGroup
-  Eigen::Vector3d position_shift_m{0, 0, 0};    ///< by which positions were moved to where control puts the block
-  InstrumentOptions instruments;                ///< those that took part
+  std::map<std::string, double> sigma_factors;    ///< what given sigmas were multiplied by, by word of ObservationGroup
+  Eigen::Vector3d position_shift_m{0, 0, 0};      ///< by which positions were moved to where control puts the block
+  InstrumentOptions instruments;                  ///< those that took part
   Calibration calibration = Calibration::kNone;   ///< parameters of cameras that were free; none: they stay as given
   std::vector<ImageId> not_oriented;              ///< in no part of the block
   std::vector<std::vector<ImageId>> other_parts;  ///< images that hang together, but not with the block
@@ -371,8 +371,8 @@ struct ReportRecord {
 };
 
 /// The closed list of records.
-using StepOutcome = std::variant<ImportRecord, DetectRecord, MatchRecord, OrientationRecord, AdjustmentRecord, DensifyRecord,
-                                 SurfaceRecord, TerrainRecord, OrthoRecord, ReportRecord>;
+using StepOutcome = std::variant<ImportRecord, DetectRecord, MatchRecord, OrientationRecord, AdjustmentRecord,
+                                 DensifyRecord, SurfaceRecord, TerrainRecord, OrthoRecord, ReportRecord>;
 
 /// The name of the step that leaves such a record.
 [[nodiscard]] std::string_view step_of(const StepOutcome& outcome);

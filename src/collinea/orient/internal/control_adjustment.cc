@@ -87,7 +87,7 @@ std::vector<Finding> findings_of_sigmas(const Block& setup, const SigmaFactors& 
 // stated: they are given the sigma they show, one group at a time, and adjusted again.
 Result<> weigh_coordinates(Reconstruction& part, const AdjustScope& scope, bool shift_is_unknown,
                            const OrientOptions& options, const Run& run, ControlAdjustment& result) {
-  Examined& adjusted = result.adjusted;
+  Adjusted& adjusted = result.adjusted;
   Eigen::Vector3d shift_m = shift_is_unknown ? Eigen::Vector3d(0, 0, 0) : shift_positions(part, adjusted);
   SigmaFactors factors = as_given();
   for (int round = 0; round < kControlRounds; ++round) {
@@ -96,7 +96,7 @@ Result<> weigh_coordinates(Reconstruction& part, const AdjustScope& scope, bool 
     const auto [group, factor] = *doubt;
     factors[std::size_t(group)] *= factor;
     part.set_setup(with_control_sigmas(part.setup(), group, factor));
-    COLLINEA_TRY(adjusted, adjust_with_covariances(part, scope, options, run));
+    COLLINEA_TRY(adjusted, examine_settled(part, scope, options, run));
     if (!shift_is_unknown) shift_m += shift_positions(part, adjusted);
   }
   result.position_shift_m = shift_m;
@@ -109,11 +109,18 @@ Result<> weigh_coordinates(Reconstruction& part, const AdjustScope& scope, bool 
 
 }  // namespace
 
-Result<Examined> adjust_with_covariances(Reconstruction& part, const AdjustScope& scope, const OrientOptions& options,
-                                         const Run& run) {
-  ExamineOptions examination{.adjust = settled_options(part, options)};
-  examination.adjust.first_damping = kSettledDamping;
-  return part.examine_all(examination, scope, run);
+Result<Adjusted> adjust_settled(Reconstruction& part, const AdjustScope& scope, const OrientOptions& options,
+                                const Run& run) {
+  AdjustOptions adjust = settled_options(part, options);
+  adjust.first_damping = kSettledDamping;
+  return part.adjust_all(adjust, scope, run);
+}
+
+Result<Adjusted> examine_settled(Reconstruction& part, const AdjustScope& scope, const OrientOptions& options,
+                                 const Run& run) {
+  AdjustOptions adjust = settled_options(part, options);
+  adjust.first_damping = kSettledDamping;
+  return part.examine_all(adjust, scope, run);
 }
 
 Result<ControlAdjustment> adjust_with_control(Reconstruction& part, const AdjustScope& scope, bool shift_is_unknown,
@@ -121,11 +128,15 @@ Result<ControlAdjustment> adjust_with_control(Reconstruction& part, const Adjust
   ControlAdjustment result;
   if (scope.use_control) weigh_measurements(part, result);
   COLLINEA_TRY(settle(part, scope, options, false, run));
-  COLLINEA_TRY(result.adjusted, adjust_with_covariances(part, scope, options, run));
+  if (!scope.use_control || part.setup().control.empty()) {
+    COLLINEA_TRY(result.adjusted, adjust_settled(part, scope, options, run));
+    return result;
+  }
+  COLLINEA_TRY(result.adjusted, examine_settled(part, scope, options, run));
   if (control_misfit(part.setup(), result.adjusted) < kControlMisfit) return result;
   COLLINEA_TRY(weigh_coordinates(part, scope, shift_is_unknown, options, run, result));
   COLLINEA_TRY(settle(part, scope, options, false, run));
-  COLLINEA_TRY(result.adjusted, adjust_with_covariances(part, scope, options, run));
+  COLLINEA_TRY(result.adjusted, adjust_settled(part, scope, options, run));
   return result;
 }
 

@@ -4,18 +4,21 @@
 #include <vector>
 
 #include "collinea/orient/internal/reconstruction.h"
-#include "collinea/quality/examine.h"
 #include "collinea/quality/variance_components.h"
 
 namespace collinea {
 
-/// Adjustment of a grown block as it stands, with covariances: one step away from its minimum, see kSettledDamping.
-[[nodiscard]] Result<Examined> adjust_with_covariances(Reconstruction& part, const AdjustScope& scope,
-                                                       const OrientOptions& options, const Run& run);
+/// Adjustment of a grown block as it stands: one step away from its minimum, see kSettledDamping.
+[[nodiscard]] Result<Adjusted> adjust_settled(Reconstruction& part, const AdjustScope& scope,
+                                              const OrientOptions& options, const Run& run);
+
+/// The same with covariances of control points.
+[[nodiscard]] Result<Adjusted> examine_settled(Reconstruction& part, const AdjustScope& scope,
+                                               const OrientOptions& options, const Run& run);
 
 /// A block adjusted with positions and control, and how far these were not as good as stated.
 struct ControlAdjustment {
-  Examined adjusted;                          ///< with covariances
+  Adjusted adjusted;
   SigmaFactors sigma_factors = as_given();    ///< what the given sigmas of control were multiplied by
   Eigen::Vector3d position_shift_m{0, 0, 0};  ///< what was added to the positions of images
   std::vector<Finding> findings;

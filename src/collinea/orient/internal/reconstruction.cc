@@ -421,12 +421,11 @@ Result<Adjusted> Reconstruction::adjust_all(const AdjustOptions& options, const 
   return adjusted;
 }
 
-Result<Examined> Reconstruction::examine_all(const ExamineOptions& options, const AdjustScope& scope, const Run& run) {
-  AdjustScope with_origin = scope;
-  with_origin.first_cameras = setup_.cameras;
-  COLLINEA_TRY(Examined examined, examine(adjuster_, block(), with_origin, options, run));
-  take(examined);
-  return examined;
+Result<Adjusted> Reconstruction::examine_all(const AdjustOptions& options, const AdjustScope& scope, const Run& run) {
+  const AdjustScope with_origin = with_first_cameras(scope, setup_.cameras);
+  COLLINEA_TRY(Adjusted adjusted, adjust_with_control_precision(adjuster_, block(), with_origin, options, run));
+  take(adjusted);
+  return adjusted;
 }
 
 Block Reconstruction::block() const {

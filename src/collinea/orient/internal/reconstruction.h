@@ -95,8 +95,8 @@ class Reconstruction {
   /// Adjusts `centre` with its closest neighbours; everything else is fixed.
   Result<> adjust_around(ImageId centre, const AdjustOptions& options, const Run& run);
   Result<Adjusted> adjust_all(const AdjustOptions& options, const AdjustScope& scope, const Run& run);
-  /// The same with covariances.
-  Result<Examined> examine_all(const ExamineOptions& options, const AdjustScope& scope, const Run& run);
+  /// The same with covariances of control points.
+  Result<Adjusted> examine_all(const AdjustOptions& options, const AdjustScope& scope, const Run& run);
 
   /// The oriented part as a block; with control observations and the setup's priors.
   [[nodiscard]] Block block() const;

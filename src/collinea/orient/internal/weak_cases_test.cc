@@ -56,7 +56,12 @@ std::vector<Eigen::Vector3d> box(const Eigen::Vector3d& low, const Eigen::Vector
 std::vector<Finding> findings_of(const Matched& input) {
   const auto found = orient(input.setup, input.pairs, input.source(), {}, {});
   EXPECT_TRUE(found) << found.error().message;
-  return found ? found->findings : std::vector<Finding>{};
+  if (!found) return {};
+  std::vector<Finding> findings = found->findings;
+  const auto adjusted = examine(found->block, found->scope, {.adjust = found->options}, {});
+  EXPECT_TRUE(adjusted) << adjusted.error().message;
+  for (const Finding& more : weak_focals(found->block, input.setup.cameras, *adjusted)) findings.push_back(more);
+  return findings;
 }
 
 bool mentions(const std::vector<Finding>& findings, FindingCode code) {
@@ -82,7 +87,7 @@ TEST(WeakCases, EveryCameraWithAnOpenFocalLengthIsNamed) {
     adjusted.camera_covariance[id].setZero(Camera::kParams, Camera::kParams);
     adjusted.camera_covariance[id](Camera::kF, Camera::kF) = id == CameraId{2} ? 1 : 50 * 50;
   }
-  const auto findings = weak_cases(block, block, {}, adjusted);
+  const auto findings = weak_focals(block, block.cameras, adjusted);
   const auto names = [&](CameraId camera) {
     return std::any_of(findings.begin(), findings.end(), [&](const Finding& one) {
       return one.code == FindingCode::kFocalOfFewImages && one.subjects == std::vector<Subject>{camera};
@@ -133,7 +138,7 @@ TEST(WeakCases, PairsThatContradictTheBlockAreNamedAsRepeatedStructure) {
   EXPECT_EQ(named->figure(FigureName::kMatches), 60);
 }
 
-std::vector<Finding> weakness_of(const Block& block) { return weak_cases(block, block, {}, {}); }
+std::vector<Finding> weakness_of(const Block& block) { return weak_cases(block, {}); }
 
 TEST(WeakCases, CamerasAndPointsOnOneCylinderAreACriticalSurface) {
   std::vector<Eigen::Vector3d> on_cylinder, off_it = box({-8, -8, -8}, {8, 8, 8}, 300);

@@ -92,7 +92,8 @@ std::vector<ControlDifference> control_of(const Adjustment& adjustment, const Or
 
 std::vector<GeodeticDifference> geodetic_of(const Adjustment& adjustment, const OrientationRecord& orientation) {
   std::vector<GeodeticDifference> geodetic = adjustment.adjusted.geodetic;
-  for (GeodeticDifference& one : geodetic) one.excluded = std::ranges::count(orientation.excluded_geodetic, one.observation) > 0;
+  for (GeodeticDifference& one : geodetic)
+    one.excluded = std::ranges::count(orientation.excluded_geodetic, one.observation) > 0;
   return geodetic;
 }
 
