@@ -192,7 +192,7 @@ struct AdjustmentRecord {
   static constexpr std::string_view kStep = "adjust";
   std::uint64_t images = 0, tie_points = 0;  ///< that took part
   std::uint64_t observations = 0;            ///< of tie points, that took part
-  std::uint64_t rejected = 0;                ///< measurements that data snooping took out
+  std::uint64_t rejected = 0;                ///< measurements that data snooping rejected
   double mean_reprojection_px = 0;           ///< mean length of the residuals of tie points
   double sigma0 = 0;
   std::int64_t redundancy = 0, unknowns = 0;
