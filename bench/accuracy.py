@@ -103,7 +103,7 @@ def strecha(name):
         truth = strecha_centres(data)
         for kind, extra in (("known camera", ["--camera-params", STRECHA[name]]), ("self-calibrated", [])):
             project = os.path.join(out, kind.split()[0])
-            collinea("run", os.path.join(data, "images"), "-o", fresh(project), "--until", "orient", *extra)
+            collinea("run", os.path.join(data, "images"), "-o", fresh(project), "--until", "adjust", *extra)
             i, e = info(project), oriented_centre_errors(project, truth)
             text = "none" if e is None else f"centres mean {1000 * e.mean():.2f} mm, max {1000 * e.max():.2f} mm"
             row(name + ", " + kind, oriented(i), text, cost(i))
@@ -113,7 +113,7 @@ def strecha(name):
 def park_gate(out):
     data = os.path.join(args.data, "park_gate")
     truth = park_gate_centres(os.path.join(data, "P_reference_halfres.txt"))
-    collinea("run", os.path.join(data, "images"), "-o", fresh(out), "--until", "orient")
+    collinea("run", os.path.join(data, "images"), "-o", fresh(out), "--until", "adjust")
     i, e = info(out), oriented_centre_errors(out, truth)
     spread = np.linalg.norm(np.std(list(truth.values()), axis=0))
     text = "none" if e is None else f"centres mean {100 * e.mean() / spread:.2f} %, max {100 * e.max() / spread:.2f} % of their spread"
@@ -139,13 +139,13 @@ def points(i):
 BLOCKS = {
     "demo": demo,
     **{name: strecha(name) for name in STRECHA},
-    "sceaux_castle": real("sceaux_castle", "orient", [], points),
+    "sceaux_castle": real("sceaux_castle", "adjust", [], points),
     "park_gate": park_gate,
     # Coordinates rounded to 0.1 m, and two marks in three projected by another program, not measured (bench/rays.py): what
     # control can tell is a decimetre.
-    "oppaiyama": real("oppaiyama", "orient", ["--control", "DATA/gcp_list.txt"],
+    "oppaiyama": real("oppaiyama", "adjust", ["--control", "DATA/gcp_list.txt"],
                       lambda i: points(i) + f", {1 + len(i.get('other_parts', []))} part, control {axes(i.get('control_rmse_m'))} m"),
-    "ioniq5": real("ioniq5", "orient", ["--control", "DATA/gcp_list.txt"],
+    "ioniq5": real("ioniq5", "adjust", ["--control", "DATA/gcp_list.txt"],
                    lambda i: points(i) + f", control {axes(i.get('control_rmse_m'))} (units of the list)"),
     "brighton_beach": real("brighton_beach", "report", [],
                            lambda i: points(i) + f", GPS RMS {axes(i.get('position_rms_m'))} m"),

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "blocks.h"
-#include "blunder_counts.h"
+#include "gross_error_counts.h"
 #include "collinea/quality/snooping.h"
 #include "rows.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "blocks.h"
-#include "blunder_counts.h"
+#include "gross_error_counts.h"
 #include "collinea/adjust/survey_block.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/quality/snooping.h"

@@ -56,7 +56,7 @@ struct AdjustmentOptions {
   std::string additional_fixed;
   double additional_level = 0.01;
   RefractionChoice refraction = RefractionChoice::kAuto;
-  Loss::Kind loss = Loss::kHuber;
+  std::optional<Loss::Kind> loss;
   double loss_scale_sigmas = 2;
   bool use_positions = true;
   bool use_control = true;
@@ -82,7 +82,8 @@ struct AdjustmentOptions {
                 "chance that one that is zero is called significant; of 44 less than one is then", 1e-12, 0.5});
     visit(Field{"refraction", &O::refraction, "",
                 "correct the measurements for the refraction of a standard atmosphere"});
-    visit(Field{"loss", &O::loss, "", "robust loss of tie points and positions"});
+    visit(Field{"loss", &O::loss, "", "robust loss of tie points and positions"}
+              .or_auto("huber; of the tie points of a project none: their wrong matches are out"));
     visit(
         Field{"loss_scale_sigmas", &O::loss_scale_sigmas, "sigma", "residual from which the loss sets in", 0.01, 1e6});
     visit(Field{"use_positions", &O::use_positions, "", "use the positions of images where orient did"});

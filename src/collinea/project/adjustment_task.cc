@@ -58,7 +58,7 @@ void take_control(const Project& project, const AdjustmentOptions& asked, const 
 ExamineOptions examine_options(const AdjustmentOptions& asked, Calibration calibration) {
   ExamineOptions options;
   options.adjust.calibration = calibration;
-  options.adjust.loss = options.adjust.position_loss = asked.loss;
+  options.adjust.loss = options.adjust.position_loss = asked.loss.value_or(Loss::kHuber);
   options.adjust.loss_scale_sigmas = asked.loss_scale_sigmas;
   options.reliability = options.point_covariances = true;
   options.test = asked.tests;
@@ -86,6 +86,7 @@ Result<ProjectAdjustment> adjustment_of(const Project& project, const Adjustment
   choose_geodetic(task.block, orientation, asked.use_geodetic && !orientation.holds_given_poses);
   COLLINEA_TRY(add_instruments(task.block, result.instruments, task.scope));
   task.options = examine_options(asked, asked.calibration.value_or(orientation.calibration));
+  if (!asked.loss) task.options.adjust.loss = Loss::kNone;
   COLLINEA_TRY(const std::vector<std::string> instead, set_additional(asked, task));
   if (const std::string note = fixed_instead_words(instead); !note.empty()) project.run.say("note: " + note);
   return result;

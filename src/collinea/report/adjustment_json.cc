@@ -15,6 +15,15 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
+// Row by row; of a check point that of the block alone.
+json covariance_of(const ControlDifference& one, double sigma0) {
+  if (!one.covariance_m2) return nullptr;
+  json rows = json::array();
+  for (int row = 0; row < 3; ++row)
+    rows.push_back(vector(Eigen::Vector3d(sigma0 * sigma0 * one.covariance_m2->row(row).transpose())));
+  return rows;
+}
+
 json control(const AdjustmentReport& report) {
   json list = json::array();
   for (const ControlDifference& one : report.adjusted.control)
@@ -22,7 +31,8 @@ json control(const AdjustmentReport& report) {
                     {"role", one.used ? "control" : "check"},
                     {"images", one.rays},
                     {"difference_m", vector(one.difference_m)},
-                    {"sigma_m", vector(one.difference_sigma_m)}});
+                    {"sigma_m", vector(one.difference_sigma_m)},
+                    {"covariance_m2", covariance_of(one, sigma_scale(report.adjusted))}});
   return list;
 }
 
