@@ -188,7 +188,9 @@ class Reader {
 
 }  // namespace
 
-Result<std::vector<GeodeticFileRow>> parse_geodetic(std::string_view text) {
+Result<std::vector<GeodeticFileRow>> parse_geodetic(std::string_view bytes) {
+  COLLINEA_TRY(const auto converted, converted_to_utf8(bytes));
+  const std::string_view text = converted ? *converted : bytes;
   COLLINEA_TRY(TitledTable table, TitledTable::parse(text, is_column));
   Reader reader(table);
   if (Result<> checked = reader.check_titles(); !checked) return tl::unexpected(checked.error());

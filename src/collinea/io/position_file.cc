@@ -296,7 +296,9 @@ std::string crs_in(std::string_view comment) {
 
 }  // namespace
 
-Result<PositionFile> parse_positions(std::string_view text) {
+Result<PositionFile> parse_positions(std::string_view bytes) {
+  COLLINEA_TRY(const auto converted, converted_to_utf8(bytes));
+  const std::string_view text = converted ? *converted : bytes;
   const auto lines = lines_of(text);
   PositionFile file;
   if (is_timestamp_file(lines)) {
