@@ -30,8 +30,9 @@ struct XmlElement {
   }
 };
 
-/// The root element of as much of XML as scripts of DBAT use: elements, attributes in double quotes, text, <?...?>; no
-/// comments, no entities. Elements `c` and `meta` are remarks, which may hold anything. An error names the line.
+/// The root element of as much of XML 1.0 as scripts of DBAT use: elements, attributes in double or single quotes,
+/// text, comments, CDATA, <?...?>, the five named entities and those by number; no document type. An attribute comes
+/// once. Elements `c` and `meta` are remarks, which may hold anything. An error names the line.
 [[nodiscard]] Result<XmlElement> parse_xml(std::string_view text);
 
 }  // namespace collinea
