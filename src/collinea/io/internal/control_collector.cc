@@ -78,19 +78,13 @@ Result<> ControlCollector::add_row(int line, const Eigen::Vector3d& position, st
       return bad_control_line(line, "point " + seen.point + " had other coordinates before");
     }
   }
-  return add_observation(std::move(seen));
+  add_observation(std::move(seen));
+  return {};
 }
 
-Result<> ControlCollector::add_observation(ControlFileObservation seen) {
-  const auto [known, is_new] = observed_.emplace(std::pair(seen.point, seen.file), file_.observations.size());
-  if (is_new) {
-    file_.observations.push_back(std::move(seen));
-    return {};
-  }
-  const ControlFileObservation& before = file_.observations[known->second];
-  if (before.pixel == seen.pixel) return {};
-  return bad_control_line(seen.line, "point " + seen.point + " is marked twice in " + seen.file + ", before in line " +
-                                         std::to_string(before.line));
+void ControlCollector::add_observation(ControlFileObservation seen) {
+  const bool copied_line = !known_.emplace(seen.point, seen.file, seen.pixel.x(), seen.pixel.y()).second;
+  if (!copied_line) file_.observations.push_back(std::move(seen));
 }
 
 Result<ControlFile> ControlCollector::finish(std::string crs) {

@@ -6,7 +6,7 @@
 #include <set>
 #include <string>
 #include <string_view>
-#include <utility>
+#include <tuple>
 #include <vector>
 
 #include "collinea/base/result.h"
@@ -28,8 +28,7 @@ class ControlCollector {
   /// A row of a point and where it is seen; the point may have been there before. x, y, z: NaN where missing. Without a
   /// name rows of one position are one point.
   Result<> add_row(int line, const Eigen::Vector3d& position, std::string_view name, ControlFileObservation seen);
-  /// Error: the point was marked at another pixel of that image before. A copied line counts once.
-  Result<> add_observation(ControlFileObservation seen);
+  void add_observation(ControlFileObservation seen);
   /// All of it, once. Errors: no point, observations of points that no row gives.
   Result<ControlFile> finish(std::string crs);
 
@@ -42,7 +41,7 @@ class ControlCollector {
   std::map<std::string, std::size_t> by_name_;
   std::map<std::array<double, 3>, std::size_t> by_position_;  // infinity where missing: NaN has no order
   std::vector<std::array<double, 3>> keys_;
-  std::map<std::pair<std::string, std::string>, std::size_t> observed_;  // point and image: index of the observation
+  std::set<std::tuple<std::string, std::string, double, double>> known_;  // observations
   std::set<std::string> with_covariance_;
   int unnamed_ = 0;
 };
