@@ -14,6 +14,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <set>
 
 #include "collinea/io/control_file.h"
 #include "collinea/io/internal/control_collector.h"
@@ -55,13 +56,15 @@ bool looks_like_decimal_commas(const Fields& f) {
   return suspect;
 }
 
-// A point without any coordinate has no number either, but no words in their place.
-bool is_title(const Fields& fields) {
-  const bool numbers =
-      std::any_of(fields.begin() + 1, fields.end(), [](std::string_view f) { return number(f).has_value(); });
+// Words in the place of numbers. A point without any coordinate has no number either, but no words in their place.
+// Titles stand above all rows of their kind; further down words in the place of numbers are an error of theirs.
+bool is_title(const Fields& fields, bool is_first_of_kind) {
+  const bool numbers = std::any_of(fields.begin() + 1, fields.end(),
+                                   [](std::string_view f) { return number(f).has_value() || has_decimal_comma(f); });
   const auto first = fields.begin() + std::min<std::ptrdiff_t>(2, std::ssize(fields)),
              last = fields.begin() + std::min<std::ptrdiff_t>(8, std::ssize(fields));
-  return !numbers && std::any_of(first, last, [](std::string_view f) { return !f.empty(); });
+  const bool words = std::any_of(first, last, [](std::string_view f) { return !f.empty(); });
+  return !numbers && words && (is_first_of_kind || lower(fields[1]) == "id");
 }
 
 Result<> check_fields_of_point(int line, const Fields& f) {
@@ -133,11 +136,12 @@ Result<ControlFile> parse_csv(std::string_view file, const ControlDefaults& defa
   ControlCollector collector(defaults);
   std::string crs;
   std::optional<char> separator;
+  std::set<std::string> kinds;  // that have come so far
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const int line = int(i) + 1;
     const std::string_view text = trimmed(lines[i]);
     if (lower(text).starts_with(kMark)) {
-      const auto comma = text.find_first_of(",;");
+      const auto comma = text.find_first_of(kSeparators);
       if (comma != std::string_view::npos) crs = normalised_crs(text.substr(comma + 1));
       if (comma != std::string_view::npos && crs.empty()) return bad_control_line(line, "not a coordinate system");
     }
@@ -149,7 +153,7 @@ Result<ControlFile> parse_csv(std::string_view file, const ControlDefaults& defa
     if (!is_kind(kind))
       return bad_control_line(
           line, "a row starts with point, image or covariance" + separator_hint(text, separator.value_or(',')));
-    if (is_title(fields)) continue;
+    if (is_title(fields, kinds.insert(kind).second)) continue;
     if (kind == "covariance") {
       drop_empty_behind(8, fields);
       COLLINEA_TRY(collector.add_covariance(line, fields));

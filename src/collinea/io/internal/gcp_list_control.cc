@@ -34,7 +34,11 @@ std::optional<OdmRow> odm_row(const Fields& f) {
   const auto is_empty_z = [&](std::size_t i) { return i == 2 && f[i].empty(); };
   std::size_t numbers = 0;
   while (numbers < f.size() && (number(f[numbers]) || is_empty_z(numbers))) ++numbers;
-  if (numbers > 5) numbers = 5;  // an image may be called "7"
+  if (numbers > 5) {  // an image may be called "7", but then a point is not called "a.jpg"
+    const auto dot = f.size() > 6 ? f[6].rfind('.') : std::string_view::npos;
+    if (numbers > 6 || (dot != std::string_view::npos && !number(f[6].substr(dot + 1)))) return std::nullopt;
+    numbers = 5;
+  }
   if (numbers < 4 || f.size() <= numbers) return std::nullopt;
   const bool has_z = numbers == 5;
   OdmRow row{{*number(f[0]), *number(f[1]), has_z ? number(f[2]).value_or(nan) : nan},
