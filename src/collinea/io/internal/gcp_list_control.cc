@@ -36,7 +36,8 @@ std::optional<OdmRow> odm_row(const Fields& f) {
   while (numbers < f.size() && (number(f[numbers]) || is_empty_z(numbers))) ++numbers;
   if (numbers > 5) {  // an image may be called "7", but then a point is not called "a.jpg"
     const auto dot = f.size() > 6 ? f[6].rfind('.') : std::string_view::npos;
-    if (numbers > 6 || (dot != std::string_view::npos && !number(f[6].substr(dot + 1)))) return std::nullopt;
+    if ((numbers > 6 && f.size() > numbers) || (dot != std::string_view::npos && !number(f[6].substr(dot + 1))))
+      return std::nullopt;
     numbers = 5;
   }
   if (numbers < 4 || f.size() <= numbers) return std::nullopt;
