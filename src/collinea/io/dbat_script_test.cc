@@ -123,7 +123,7 @@ TEST_F(DbatScript, AnglesAreInTheirUnits) {
 TEST_F(DbatScript, AllFilesAndFiltersOfAnElementCount) {
   put("all.txt", "1, A, 0, 1, 0, 0.1, 0.1, 0.2\n2, B, 1, 1, 0, 0.1, 0.1, 0.2\n3, C, 1, 0, 0, 0.1, 0.1, 0.2\n");
   put("more.txt", "4, D, 5, 6, 7, 0.3, 0.3, 0.3\n");
-  put("marks.txt", "2, 1, 100, 200, 9\n2, 2, 110.5, 210, 9\n2, 3, 7, 8, 9\n1, 3, 8, 9, 9\n");
+  put("marks.txt", "2, 1, 100, 200, 9\n2, 2, 110.5, 210, 9\n1, 2, 9, 9, 9\n2, 3, 7, 8, 9\n1, 3, 8, 9, 9\n");
   put("smart.txt", "77, 1, 5, 6\n77, 2, 6, 7\n");
   std::string script = with(R"(<ctrl_pts><file format="id,label,x,y,z,sxyz">control.txt</file></ctrl_pts>)",
                             R"(<ctrl_pts>
@@ -145,12 +145,12 @@ TEST_F(DbatScript, AllFilesAndFiltersOfAnElementCount) {
   EXPECT_EQ(block.control.at({4}).sigma_m, Eigen::Vector3d::Constant(0.3));
   EXPECT_EQ(block.control_observations.size(), 3u);  // one of A, two of C
   // B is neither control nor check; C takes part with its marks besides. What the file says goes before its columns.
-  ASSERT_EQ(block.observations.size(), 5u);
+  ASSERT_EQ(block.observations.size(), 6u);
   EXPECT_EQ(block.observations[0].point, PointId{2});
   EXPECT_EQ(block.observations[0].sigma_px, 0.5);
-  EXPECT_EQ(block.observations[1].point, PointId{3});
-  EXPECT_EQ(block.observations[3].point, PointId{77});
-  EXPECT_EQ(block.observations[3].sigma_px, 1);
+  EXPECT_EQ(block.observations[2].point, PointId{3});
+  EXPECT_EQ(block.observations[4].point, PointId{77});
+  EXPECT_EQ(block.observations[4].sigma_px, 1);
 }
 
 TEST_F(DbatScript, WhatAFilterCannotDoIsAnError) {
@@ -178,7 +178,7 @@ TEST_F(DbatScript, XmlIsReadAsFarAsAnyoneWritesIt) {
   EXPECT_EQ(named->block.cameras.at({0}).name, "A & B <1>!");
   EXPECT_EQ(read(with("<focal>8", "<focal><!-- nominal -->8"))->block.cameras.at({0}).params[Camera::kF],
             2000 * 8 / 8.);
-  EXPECT_NE(error_of(with("<name>test", "<name>a & b")).find("line 11: & b"), std::string::npos);
+  EXPECT_NE(error_of(with("<name>test", "<name>a & b")).find("line 10: & b"), std::string::npos);
   EXPECT_NE(error_of(with("<input", "<!-- <input")).find("<!-- does not end"), std::string::npos);
   EXPECT_NE(error_of("<!DOCTYPE document>\n" + kScript).find("line 1: <!...>"), std::string::npos);
   EXPECT_NE(error_of(with("ref_cam=\"1\"", "ref_cam=\"1\" ref_cam=\"2\"")).find("a second attribute ref_cam"),

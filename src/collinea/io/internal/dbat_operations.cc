@@ -255,14 +255,15 @@ Result<> check_rays(const XmlElement& operation, const DbatProject& project) {
 Result<> apply(const XmlElement& operation, DbatProject& project) {
   using Names = std::initializer_list<std::string_view>;
   const bool counts_rays = operation.text == "check_ray_count";
+  bool is_known = counts_rays || operation.text.empty();
+  for (const char* done_anyway : {"spatial_resection", "forward_intersection", "bundle_adjustment"})
+    is_known |= operation.text == done_anyway;
+  if (!is_known)
+    return bad_dbat(project.script, operation.line, "operation " + operation.text + ": this reader does not know it");
   COLLINEA_TRY(check_attributes(operation, counts_rays ? Names{"min_rays"} : Names{}, project.script));
-  if (counts_rays) return check_rays(operation, project);
   COLLINEA_TRY(
       check_children(operation, {"set_initial_values", "set_bundle_estimate_params", "set_datum"}, project.script));
-  for (const char* done_anyway : {"spatial_resection", "forward_intersection", "bundle_adjustment"})
-    if (operation.text == done_anyway) return {};
-  if (!operation.text.empty())
-    return bad_dbat(project.script, operation.line, "operation " + operation.text + ": this reader does not know it");
+  if (counts_rays) return check_rays(operation, project);
   for (const XmlElement& e : operation.children) {
     if (e.name == "set_initial_values") COLLINEA_TRY(take_initial_values(e, project));
     if (e.name == "set_bundle_estimate_params") COLLINEA_TRY(take_estimate_params(e, project));
