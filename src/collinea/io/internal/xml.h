@@ -24,9 +24,11 @@ struct XmlElement {
         std::find_if(children.begin(), children.end(), [&](const XmlElement& e) { return e.name == wanted; });
     return its == children.end() ? nullptr : &*its;
   }
-  [[nodiscard]] std::string attribute(const std::string& wanted) const {
+  /// Empty where there is no such attribute.
+  [[nodiscard]] const std::string& attribute(const std::string& wanted) const {
+    static const std::string kNone;
     const auto its = attributes.find(wanted);
-    return its == attributes.end() ? std::string{} : its->second;
+    return its == attributes.end() ? kNone : its->second;
   }
 };
 
