@@ -32,8 +32,8 @@ struct AdjustmentFile {
 [[nodiscard]] Result<> write_adjustment_file(const std::filesystem::path& path, const AdjustmentFile& file);
 [[nodiscard]] std::string adjustment_file_text(const AdjustmentFile& file);
 
-/// Reads that format. Ids are given in the order of the file; tie points keep their numbers. Errors name the line, what
-/// is wrong in it and what is expected.
+/// Reads that format, in UTF-8 or UTF-16 with a byte order mark. Ids are given in the order of the file; tie points
+/// keep their numbers. Errors name the line, what is wrong in it and what is expected.
 [[nodiscard]] Result<AdjustmentFile> parse_adjustment_file(std::string_view text);
 
 /// Whether the text claims to be of that format.

@@ -13,6 +13,7 @@
 #include "collinea/io/internal/adjustment_draft.h"
 #include "collinea/io/internal/adjustment_line.h"
 #include "collinea/io/internal/adjustment_words.h"
+#include "collinea/io/internal/separators.h"
 #include "collinea/io/text.h"
 
 namespace collinea {
@@ -186,7 +187,7 @@ Result<> take_parameter(const Line& line, Draft& draft) {
     const auto deviation = number(line.words[4]);
     if (!deviation || !(*deviation > 0) || std::isinf(*deviation))
       return bad_line(line.number, shown(line.words[4]) + " says not how the parameter takes part: fixed, free, or a " +
-                                       "standard deviation above 0");
+                                       "standard deviation above 0" + number_hint(line.words[4]));
     sigma = *deviation;
   }
   if (line.count() > 4) {
@@ -352,6 +353,13 @@ Result<> take_measured(const Line& line, Draft& draft) {
   return {};
 }
 
+// The separator that the words seem to have in place of blanks.
+std::string hint_of(const Line& line) {
+  for (const std::string& word : line.words)
+    if (std::string hint = separator_hint(word, ' '); !hint.empty()) return hint;
+  return {};
+}
+
 struct Rule {
   std::string_view keyword, form;
   std::size_t least, most;
@@ -392,12 +400,13 @@ Result<> take_adjustment_line(const AdjustmentLine& line, AdjustmentDraft& draft
     if (line.count() < rule.least || line.count() > rule.most)
       return bad_line(line.number, std::string(rule.keyword) + " has " + std::to_string(line.count()) +
                                        " words behind it; expected: " + std::string(rule.keyword) + " " +
-                                       std::string(rule.form));
+                                       std::string(rule.form) + hint_of(line));
     return rule.take(line, draft);
   }
   std::string known;
   for (const Rule& rule : kRules) known += (known.empty() ? "" : ", ") + std::string(rule.keyword);
-  return bad_line(line.number, shown(line.words[0]) + " is no keyword; a line begins with one of " + known);
+  return bad_line(line.number,
+                  shown(line.words[0]) + " is no keyword" + hint_of(line) + "; a line begins with one of " + known);
 }
 
 }  // namespace collinea

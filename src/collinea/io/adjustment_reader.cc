@@ -12,6 +12,7 @@
 #include "collinea/io/internal/adjustment_draft.h"
 #include "collinea/io/internal/adjustment_words.h"
 #include "collinea/io/internal/observation_order.h"
+#include "collinea/io/internal/separators.h"
 #include "collinea/io/text.h"
 
 namespace collinea {
@@ -116,7 +117,9 @@ Result<AdjustmentFile> finish(Draft draft, std::size_t lines) {
 
 }  // namespace
 
-Result<AdjustmentFile> parse_adjustment_file(std::string_view text) {
+Result<AdjustmentFile> parse_adjustment_file(std::string_view bytes) {
+  COLLINEA_TRY(const auto converted, converted_to_utf8(bytes));
+  const std::string_view text = converted ? *converted : bytes;
   Draft draft;
   const std::vector<std::string_view> lines = lines_of(text);
   bool titled = false;
@@ -125,7 +128,8 @@ Result<AdjustmentFile> parse_adjustment_file(std::string_view text) {
     if (line.words.empty()) continue;
     if (!titled) {
       if (line.words[0] != kAdjustmentTitle)
-        return bad_line(line.number, "the file does not begin with \"collinea-adjustment 1\": it is none of ours");
+        return bad_line(line.number, "the file does not begin with \"collinea-adjustment 1\": it is none of ours" +
+                                         separator_hint(line.words[0], ' '));
       if (line.words.size() != 2 || line.words[1] != "1")
         return bad_line(line.number, "only version 1 of collinea-adjustment is known here: a newer program is needed");
       titled = true;
@@ -137,8 +141,10 @@ Result<AdjustmentFile> parse_adjustment_file(std::string_view text) {
   return finish(std::move(draft), lines.size());
 }
 
-bool is_adjustment_file(std::string_view text) {
-  for (const std::string_view line : lines_of(text.substr(0, 4096)))
+bool is_adjustment_file(std::string_view bytes) {
+  const std::string_view head = bytes.substr(0, 4096);
+  const auto converted = converted_to_utf8(head);
+  for (const std::string_view line : lines_of(converted && *converted ? **converted : head))
     if (const auto words = words_of(line); !words.empty() && !words[0].starts_with('#'))
       return words[0] == kAdjustmentTitle;
   return false;

@@ -95,7 +95,9 @@ std::string normalised_crs(std::string_view text) {
   return crs_of_utm_words(small);
 }
 
-Result<ControlFile> parse_control(std::string_view text, const ControlDefaults& defaults) {
+Result<ControlFile> parse_control(std::string_view bytes, const ControlDefaults& defaults) {
+  COLLINEA_TRY(const auto converted, converted_to_utf8(bytes));
+  const std::string_view text = converted ? *converted : bytes;
   const auto formats = control_formats();
   const auto format = std::find_if(formats.begin(), formats.end() - 1,
                                    [&](const ControlFormat& candidate) { return candidate.recognises(text); });

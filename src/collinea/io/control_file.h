@@ -21,7 +21,7 @@ inline constexpr FileText kControlImageColumns = "image, id, file, x_px, y_px, s
 /// recognised by content: OpenDroneMap's gcp_list.txt, our CSV. In files in degrees (EPSG:4326) x is the longitude and
 /// y the latitude; they come back in the UTM zone of their first point, heights unchanged.
 ///
-/// Pixels count from the outer corner of the image, as ours do. Errors name the line.
+/// Pixels count from the outer corner of the image, as ours do. UTF-8 or UTF-16. Errors name the line.
 [[nodiscard]] Result<ControlFile> read_control(const std::filesystem::path& path, const ControlDefaults& defaults = {});
 
 /// The same, from text in memory.

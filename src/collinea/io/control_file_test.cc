@@ -122,7 +122,7 @@ TEST(ControlFile, OpenDroneMapNamesTabsAndMissingHeightsAreUnderstood) {
       "500000\t4600000\t12\t3\t4\tmy photo 2.jpg\tP 1\r\n"
       "# a remark\r\n"
       "500010 4600000 NaN 5 6 b.jpg Q\r\n"
-      "500020 4600000 7 8 7.jpg\r\n");
+      "500020\t4600000\t\t7\t8\t7.jpg\r\n");
   ASSERT_TRUE(control) << control.error().message;
   EXPECT_EQ(control->crs, "EPSG:25833");
   ASSERT_EQ(control->points.size(), 3u);
@@ -132,6 +132,23 @@ TEST(ControlFile, OpenDroneMapNamesTabsAndMissingHeightsAreUnderstood) {
   EXPECT_TRUE(std::isinf(control->points[2].sigma_m.z()));
   EXPECT_EQ(control->points[2].position_in_map.z(), 12);
   EXPECT_EQ(control->observations[3].pixel, Eigen::Vector2d(7, 8));
+}
+
+// Without a height in any row there is no column of heights. Where others have one, which number is missing is not
+// known.
+TEST(ControlFile, RowsOfOpenDroneMapWithANumberLessAreRefused) {
+  const std::string full = "EPSG:32633\n500000 4600000 12 1 2 a.jpg P\n", less = "500010 4600000 5 6 b.jpg Q\n";
+  EXPECT_EQ(
+      message_of(full + less),
+      "line 3: 4 numbers in front of the image, where line 2 has 5: one is missing (a height that was not surveyed "
+      "is written NaN)");
+  EXPECT_TRUE(contains(message_of("EPSG:32633\n" + less + "500000 4600000 12 1 2 a.jpg P\n"), "line 2: 4 numbers"));
+  // The field between two tabs is the northing.
+  EXPECT_TRUE(contains(message_of("EPSG:32633\n500000\t\t12\t1\t2\ta.jpg\n"), "line 2: not of the form"));
+  const auto plan = parse_control("EPSG:32633\n" + less + "500020 4600000 7 8 7.jpg R\n");
+  ASSERT_TRUE(plan) << plan.error().message;
+  EXPECT_TRUE(std::isinf(plan->points[1].sigma_m.z()));
+  EXPECT_EQ(plan->observations[1].pixel, Eigen::Vector2d(7, 8));
 }
 
 TEST(ControlFile, ErrorsOfOpenDroneMapFilesNameTheLine) {

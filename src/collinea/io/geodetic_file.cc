@@ -160,6 +160,8 @@ class Reader {
     const std::string between = row.from + " - " + row.to;
     if (row.kind == GeodeticKind::kDistance && !(row.value > 0))
       return table_.bad_row("the distance " + between + " is not above 0");
+    if (row.kind == GeodeticKind::kDirection && std::abs(row.value) > 2 * std::numbers::pi * (1 + 1e-12))
+      return table_.bad_row("the direction " + between + " is beyond a full circle of 360 degrees, 400 gon");
     if (row.kind == GeodeticKind::kZenithAngle && !(row.value > 0 && row.value < std::numbers::pi))
       return table_.bad_row("the zenith angle " + between +
                             " is not between 0 (up) and 180 degrees, 200 gon (down); of the second face subtract it "
@@ -188,7 +190,9 @@ class Reader {
 
 }  // namespace
 
-Result<std::vector<GeodeticFileRow>> parse_geodetic(std::string_view text) {
+Result<std::vector<GeodeticFileRow>> parse_geodetic(std::string_view bytes) {
+  COLLINEA_TRY(const auto converted, converted_to_utf8(bytes));
+  const std::string_view text = converted ? *converted : bytes;
   COLLINEA_TRY(TitledTable table, TitledTable::parse(text, is_column));
   Reader reader(table);
   if (Result<> checked = reader.check_titles(); !checked) return tl::unexpected(checked.error());

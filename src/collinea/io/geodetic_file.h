@@ -23,7 +23,8 @@ struct GeodeticFileRow {
   int line = 0;  ///< for messages
 };
 
-/// Reads measurements between points: CSV whose first row names the columns, in any order; # starts a comment.
+/// Reads measurements between points: CSV (commas, semicolons or tabs; UTF-8 or UTF-16) whose first row names the
+/// columns, in any order; # starts a comment.
 ///     from, to                                    points, as the control file calls them; `to` may be empty where
 ///                                                 nothing is measured between two
 ///     distance_m, height_difference_m             measured; empty where not

@@ -66,7 +66,8 @@ class Parser {
       return bad(
           "the line above lacks width and height of the images [px]: export again with a newer PhotoModeler, "
           "or add them behind the number of iterations");
-    COLLINEA_TRY(const auto unused, row(9, "standard deviations"));
+    COLLINEA_TRY(const auto defaults, row(9, "standard deviations"));
+    if (defaults[0] > 0) default_sigma_px_ = defaults[0];
     COLLINEA_TRY(const auto v, row(10, "the camera: focal length, principal point, format, K1 K2 K3 P1 P2 [mm]"));
     if (!(v[0] > 0) || !(v[3] > 0) || !(v[4] > 0)) return bad("focal length and format above are not above 0 [mm]");
     COLLINEA_TRY(const auto deviations, row(10, "the standard deviations of the camera"));
@@ -151,16 +152,17 @@ class Parser {
       COLLINEA_TRY(const auto v, row(6, "a mark: image, point, x, y and their standard deviations [px]"));
       if (!is_whole(v[0], 4e9) || !is_whole(v[1], 4e9) || !file_.block.images.contains({std::uint32_t(v[0])}))
         return bad("the line above marks a point in an image that was not listed");
-      if (!(v[4] > 0) || v[4] != v[5])
-        return bad("the standard deviations of the mark above are not the same number above 0 in x and y");
+      if (!(v[4] >= 0) || v[4] != v[5])
+        return bad("the standard deviations of the mark above are not the same number from 0 in x and y");
+      const double sigma_px = v[4] > 0 ? v[4] : default_sigma_px_;
       const ImageId image{std::uint32_t(v[0])};
       const std::uint32_t point = std::uint32_t(v[1]);
       if (!marked_.emplace(image.value, point).second)
         return bad("point " + std::to_string(point) + " is marked twice in image " + std::to_string(image.value));
       if (file_.block.control.contains({point}))
-        file_.block.control_observations.push_back({{point}, image, {v[2], v[3]}, v[4]});
+        file_.block.control_observations.push_back({{point}, image, {v[2], v[3]}, sigma_px});
       else
-        file_.block.observations.push_back({image, {point}, 0, {v[2], v[3]}, v[4]});
+        file_.block.observations.push_back({image, {point}, 0, {v[2], v[3]}, sigma_px});
     }
     if (file_.block.observations.empty() && file_.block.control_observations.empty())
       return bad("the file ends before the first mark; is it complete?");
@@ -169,16 +171,22 @@ class Parser {
 
   std::vector<std::string_view> lines_;
   std::size_t at_ = 0;
+  double default_sigma_px_ = 1;
   std::set<std::pair<std::uint32_t, std::uint32_t>> marked_;  // image, point
   AdjustmentFile file_;
 };
 
 }  // namespace
 
-Result<AdjustmentFile> parse_photomodeler(std::string_view text) { return Parser(text).parse(); }
+Result<AdjustmentFile> parse_photomodeler(std::string_view bytes) {
+  COLLINEA_TRY(const auto converted, converted_to_utf8(bytes));
+  return Parser(converted ? *converted : bytes).parse();
+}
 
-bool is_photomodeler(std::string_view text) {
-  const std::vector<std::string_view> lines = lines_of(text.substr(0, 4096));
+bool is_photomodeler(std::string_view bytes) {
+  const std::string_view head = bytes.substr(0, 4096);
+  const auto converted = converted_to_utf8(head);
+  const std::vector<std::string_view> lines = lines_of(converted && *converted ? **converted : head);
   constexpr std::size_t kNumbers[] = {2, 9, 10, 10};
   if (lines.size() < 6) return false;
   for (std::size_t i = 0; i < std::size(kNumbers); ++i) {

@@ -76,7 +76,9 @@ TEST(Photomodeler, SaysInWhichLineWhatIsWrong) {
   EXPECT_NE(with(" 20 2000 1500", " 20").find("lacks width and height"), std::string::npos);
   EXPECT_NE(with("90.0 2.0 1.0", "x 2.0 1.0").find("line 7: not number, projection centre"), std::string::npos);
   EXPECT_NE(with(" 0 1001 900", " 5 1001 900").find("in an image that was not listed"), std::string::npos);
-  EXPECT_NE(with("900 700 0.2 0.2", "900 700 0 0").find("standard deviations of the mark"), std::string::npos);
+  EXPECT_NE(with("900 700 0.2 0.2", "900 700 0.2 0.3").find("standard deviations of the mark"), std::string::npos);
+  EXPECT_NE(with("900 700 0.2 0.2", "900 700 0 0.2").find("standard deviations of the mark"), std::string::npos);
+  EXPECT_NE(with("900 700 0.2 0.2", "900 700 -1 -1").find("standard deviations of the mark"), std::string::npos);
   EXPECT_NE(with(" 1 2 800.5", " 0 2 800.5").find("point 2 is marked twice in image 0"), std::string::npos);
   EXPECT_NE(with(" 1 2 800.5 600.25 0.1 0.1", " 0 1001 9 7 0.2 0.2").find("point 1001 is marked twice in image 0"),
             std::string::npos);
@@ -84,6 +86,27 @@ TEST(Photomodeler, SaysInWhichLineWhatIsWrong) {
             std::string::npos);
   EXPECT_NE(with("\n\n 1 2 800.5", "\n 2 1 1 1 0 0 0\n\n 1 2 800.5").find("object point 2 comes twice"),
             std::string::npos);
+}
+
+// SmartPoints state none; the third line states what image coordinates are worth in the project.
+TEST(Photomodeler, MarksWithoutASigmaHaveThatOfTheProject) {
+  const auto with = [](std::string_view project) {
+    std::string text = kExport;
+    const auto replace = [&](std::string_view was, std::string_view is) {
+      text.replace(text.find(was), was.size(), is);
+    };
+    replace(" 1.0 0.1 10.0", project);
+    replace("900 700 0.2 0.2", "900 700 0.0000 0.0000");
+    replace("700 500 0.1 0.1", "700 500 0 0");
+    const auto file = parse_photomodeler(text);
+    EXPECT_TRUE(file) << file.error().message;
+    const Block& block = file->block;
+    EXPECT_EQ(block.control_observations.at(0).sigma_px, block.observations.at(0).sigma_px);
+    EXPECT_EQ(block.observations.at(1).sigma_px, 0.1);
+    return block.control_observations.at(0).sigma_px;
+  };
+  EXPECT_EQ(with(" 0.7 0.1 10.0"), 0.7);
+  EXPECT_EQ(with(" 0.0 0.1 10.0"), 1);
 }
 
 TEST(Photomodeler, SurvivesTruncationAndGarbage) {

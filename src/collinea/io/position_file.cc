@@ -290,13 +290,18 @@ Result<std::vector<PositionFileRow>> timestamp_rows(const std::vector<std::strin
 
 // "# collinea positions, EPSG:32633"
 std::string crs_in(std::string_view comment) {
-  const auto at = comment.find("collinea positions,");
-  return at == comment.npos ? "" : std::string(trimmed(comment.substr(at + 19)));
+  constexpr std::string_view kMark = "collinea positions";
+  const auto at = comment.find(kMark);
+  if (at == comment.npos) return "";
+  comment.remove_prefix(at + kMark.size());
+  return comment.find_first_of(",;\t") == 0 ? std::string(trimmed(comment.substr(1))) : "";
 }
 
 }  // namespace
 
-Result<PositionFile> parse_positions(std::string_view text) {
+Result<PositionFile> parse_positions(std::string_view bytes) {
+  COLLINEA_TRY(const auto converted, converted_to_utf8(bytes));
+  const std::string_view text = converted ? *converted : bytes;
   const auto lines = lines_of(text);
   PositionFile file;
   if (is_timestamp_file(lines)) {

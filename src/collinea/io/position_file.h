@@ -35,8 +35,8 @@ struct PositionFile {
 
 /// Reads positions and attitudes of images, one of two forms.
 ///
-/// CSV whose first row names the columns, in any order; # starts a comment ("# collinea positions, EPSG:32633" names
-/// the map of eastings and northings):
+/// CSV (commas, semicolons or tabs; UTF-8 or UTF-16) whose first row names the columns, in any order; # starts a
+/// comment ("# collinea positions, EPSG:32633" names the map of eastings and northings):
 ///     image                                        path or file name
 ///     latitude_deg, longitude_deg, height_m        of the antenna (or the camera), ellipsoidal; or
 ///     easting_m, northing_m, height_m              in the map

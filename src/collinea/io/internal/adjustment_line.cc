@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "collinea/io/internal/separators.h"
 #include "collinea/io/text.h"
 
 namespace collinea {
@@ -15,7 +16,9 @@ std::string shown(std::string_view word) { return "\"" + std::string(word.substr
 
 Result<double> finite(const AdjustmentLine& line, std::size_t i, const char* what) {
   const auto value = finite_number(line.words[i]);
-  if (!value) return bad_line(line.number, shown(line.words[i]) + " is not " + what + ": a number is expected");
+  if (!value)
+    return bad_line(line.number,
+                    shown(line.words[i]) + " is not " + what + ": a number is expected" + number_hint(line.words[i]));
   return *value;
 }
 

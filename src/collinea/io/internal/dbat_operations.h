@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
-
-#include "collinea/io/adjustment_file.h"
-#include "collinea/io/internal/xml.h"
+#include "collinea/io/internal/dbat_project.h"
 
 namespace collinea {
 
-/// Does to a project of DBAT what an operation of its script says: which parameters are estimated, what they begin
-/// with, and what fixes the datum. `path` is the script's, for errors.
-[[nodiscard]] Result<> apply_dbat_operation(const XmlElement& operation, double pixel_height_mm,
-                                            const std::filesystem::path& path, AdjustmentFile& file);
+/// Does to a project of DBAT what the operations of its script say, one after the other: which parameters are
+/// estimated, what they begin with, what fixes the datum, how many rays a point needs at least. Resection, intersection
+/// and bundle are what an adjustment does anyway. Errors: an operation that this reader does not know, or cannot
+/// honour; one behind the last bundle that would change it.
+[[nodiscard]] Result<> apply_dbat_operations(const XmlElement& operations, DbatProject& project);
 
 }  // namespace collinea

@@ -11,8 +11,10 @@
 
 namespace collinea {
 
-/// A comma-separated table whose first row names its columns, in any order and case. Empty lines and those that begin
-/// with # are passed over. Views point into the caller's text. Every error names the line.
+/// A table whose first row names its columns, in any order and case, and says with what separates its titles what
+/// separates all fields: commas, semicolons or tabs. Every row has a field for every title, empty ones included: a
+/// field that is missing would move those behind it to other columns. Empty lines, rows of separators alone and lines
+/// that begin with # are passed over. Views point into the caller's text, which is UTF-8. Every error names the line.
 class TitledTable {
  public:
   /// Reads the row of titles. `may_be` tells the names that columns may have. Errors: another name, one that is there
@@ -21,7 +23,7 @@ class TitledTable {
                                                  const std::function<bool(const std::string&)>& may_be);
 
   [[nodiscard]] bool has(std::string_view column) const { return column_.find(column) != column_.end(); }
-  /// On to the next row; false after the last. Error: more fields than titles.
+  /// On to the next row; false after the last. Error: more fields than titles, or fewer.
   [[nodiscard]] Result<bool> next();
   [[nodiscard]] int line() const { return line_; }  ///< of this row, from 1
 
@@ -37,6 +39,7 @@ class TitledTable {
 
   std::vector<std::string_view> lines_, fields_;
   std::map<std::string, std::size_t, std::less<>> column_;
+  char separator_ = ',';
   int line_ = 0;
 };
 

@@ -24,14 +24,17 @@ struct XmlElement {
         std::find_if(children.begin(), children.end(), [&](const XmlElement& e) { return e.name == wanted; });
     return its == children.end() ? nullptr : &*its;
   }
-  [[nodiscard]] std::string attribute(const std::string& wanted) const {
+  /// Empty where there is no such attribute.
+  [[nodiscard]] const std::string& attribute(const std::string& wanted) const {
+    static const std::string kNone;
     const auto its = attributes.find(wanted);
-    return its == attributes.end() ? std::string{} : its->second;
+    return its == attributes.end() ? kNone : its->second;
   }
 };
 
-/// The root element of as much of XML as scripts of DBAT use: elements, attributes in double quotes, text, <?...?>; no
-/// comments, no entities. Elements `c` and `meta` are remarks, which may hold anything. An error names the line.
+/// The root element of as much of XML 1.0 as scripts of DBAT use: elements, attributes in double or single quotes,
+/// text, comments, CDATA, <?...?>, the five named entities and those by number; no document type. An attribute comes
+/// once. Elements `c` and `meta` are remarks, which may hold anything. An error names the line.
 [[nodiscard]] Result<XmlElement> parse_xml(std::string_view text);
 
 }  // namespace collinea
