@@ -53,6 +53,11 @@ constexpr CodeRow kCodes[] = {
     {C::kControlInconsistent, "control_inconsistent", kWrong, F::kOffset},
     {C::kControlAxesSwapped, "control_axes_swapped", kWrong},
     {C::kControlAxesExchanged, "control_axes_exchanged", kNote},
+    {C::kMarksCountedOtherwise, "marks_counted_otherwise", kWrong, F::kCount, F::kOf, F::kCount, F::kOffsetPx,
+     F::kRatio},
+    {C::kMarksCorrected, "marks_corrected", kNote, F::kCount, F::kOf, F::kCount, F::kOffsetPx, F::kRatio},
+    {C::kMarksOutside, "marks_outside", kWrong, F::kCount, F::kOf},
+    {C::kMarksMirrored, "marks_mirrored", kWrong, F::kCount, F::kOf, F::kOffsetPx, F::kRatio},
     {C::kPositionHeights, "position_heights", kWrong, F::kUp},
     {C::kPositionOffset, "position_offset", kWrong, F::kOffset, F::kEast, F::kNorth},
     {C::kPositionCrs, "position_crs", kWrong, F::kOffset},
@@ -277,6 +282,7 @@ constexpr RemedyRow kRemedies[] = {
     {R::kMeasureInAnother, "measure_in_another"},
     {R::kFolderOfEachFlight, "folder_of_each_flight"},
     {R::kSeeAdjustment, "see_adjustment"},
+    {R::kCorrectMarks, "correct_marks"},
 };
 
 static_assert(is_in_order(kCodes, kFindingCodes, &CodeRow::code));

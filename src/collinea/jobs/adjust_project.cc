@@ -19,7 +19,10 @@
 #include "collinea/jobs/internal/adjusted_report.h"
 #include "collinea/orient/additional.h"
 #include "collinea/orient/approximate.h"
+#include "collinea/orient/mirrored.h"
 #include "collinea/quality/control_check.h"
+#include "collinea/quality/mark_check.h"
+#include "collinea/report/finding_words.h"
 
 namespace collinea {
 namespace {
@@ -161,7 +164,11 @@ Result<Task> task_of(const Project& project, const AdjustProjectOptions& asked) 
     if (instruments.position_shift != PositionShift::kNone) expect_shift(diagnosis);
     apply(diagnosis, task.block);
   }
-  if (asked.snoop) task.block.control_observations = setup.control_observations;  // those that orient rejected too
+  if (asked.snoop) {  // those that orient rejected too
+    task.block.control_observations = setup.control_observations;
+    correct_marks(orientation.findings, task.block);
+    remove_marks_outside(task.block);
+  }
   if (task.scope.use_control && !asked.given_sigmas)
     judge_as_orient_did(orientation, instruments.position_shift == PositionShift::kNone, task.block, project.run);
   choose_geodetic(task.block, orientation, asked.use_geodetic);
@@ -238,6 +245,7 @@ std::string names(const std::vector<Id>& ids, const auto& name_of) {
 }
 
 Result<> complete(Block& block, const Run& run) {
+  for (const Finding& finding : mirrored_measurements(block, run.seed)) run.say("note: " + sentence_of(finding, block));
   COLLINEA_TRY(const Approximation found, approximate(block, run.seed));
   if (!found.resected.empty() || found.intersected > 0)
     run.say(fmt::format("approximate values: {} images resected, {} points intersected", found.resected.size(),

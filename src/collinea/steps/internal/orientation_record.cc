@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "collinea/epipolar/intersect.h"
+#include "collinea/quality/mark_check.h"
 #include "collinea/quality/variance_components.h"
 #include "collinea/report/statistics.h"
 
@@ -64,6 +65,8 @@ std::vector<ControlDifference> excluded_control(const Orientation& orientation, 
   measured.images = setup.images;
   measured.poses = orientation.block.poses;
   measured.control_observations = setup.control_observations;
+  correct_marks(orientation.findings, measured);
+  remove_marks_outside(measured);
   std::vector<ControlDifference> excluded;
   for (const ControlId id : orientation.excluded_control) {
     const ControlPoint& point = orientation.block.control.at(id);
