@@ -16,12 +16,13 @@ constexpr double kSigmas = 6, kLeast_px = 3, kOfSide = 0.002;  // tolerance of a
 constexpr double kFits = 0.5;                                  // share of redundancy from which marks fit as given
 constexpr double kExplains = 0.7;                              // and from which a system explains them
 constexpr int kLeastRedundancy = 6, kLeastPoints = 3;
-constexpr double kRival = 0.5;      // of the best system's share: not certain
+constexpr double kRival = 0.5;  // of the best system's share: not certain
+constexpr double kLeastNoise_px = 0.05;
 constexpr double kMargin = 0.02;    // of the image's side: how far outside a corrected mark may lie
 constexpr double kNoFactor = 0.02;  // a factor nearer to one says nothing
 constexpr double kFactorStep = 2e-3;
-constexpr int kFactorSteps = 6;      // either way, around a likely factor
-constexpr double kDetermined = 0.7;  // share that two per cent off the best factor must lose to
+constexpr int kFactorSteps = 6;          // either way, around a likely factor
+constexpr double kCurvatureStep = 1e-3;  // of the logarithm of a factor: no mark leaves the tolerance by it
 constexpr std::size_t kMostPoints = 60;
 constexpr double kDepthFactor = 2;  // by which control may stand out of the depths of tie points
 
@@ -115,7 +116,10 @@ void add_point(const std::vector<MarkedRay>& given, const MarkHypothesis& hypoth
   const bool is_met = point && lies_among_tie_points(rays, *point);
   const int met = is_met ? point->inliers : 0;
   meeting.meeting += met;
-  if (is_met) meeting.redundancy_met += 2 * met - 3;
+  if (is_met) {
+    meeting.redundancy_met += 2 * met - 3;
+    meeting.cost_met += met * std::pow(point->rms_px, 2);
+  }
   meeting.truncated_cost += (all - met) * tolerance * tolerance + (is_met ? met * std::pow(point->rms_px, 2) : 0);
 }
 
@@ -128,12 +132,30 @@ MarkMeeting meeting_of(const Points& points, const MarkHypothesis& hypothesis) {
 struct Explanation {
   MarkHypothesis hypothesis;
   MarkMeeting meeting;
-  bool is_determined = true;  // its factor
+  double relative_sigma = 0;  // of its factor
+  bool is_determined = true;  // an error of the factor by its sigma moves the marks by less than their own
 };
 
 bool is_better(const MarkMeeting& one, const MarkMeeting& other) { return one.truncated_cost < other.truncated_cost; }
 
-// The factor of least truncated cost around a likely one: steps first, then the golden section.
+// Standard deviation of a coordinate of the marks that meet.
+double noise_px(const MarkMeeting& meeting) {
+  return std::max(kLeastNoise_px, std::sqrt(meeting.cost_met / std::max(1, meeting.redundancy_met)));
+}
+
+// Mean squared distance of the marks from the point that the factor does not move.
+double squared_radius_px2(const Points& points, const MarkHypothesis& hypothesis) {
+  double sum = 0, count = 0;
+  for (const std::vector<MarkedRay>& rays : points)
+    for (const MarkedRay& ray : rays) {
+      sum += (hypothesis.factor * ray.given).squaredNorm();
+      ++count;
+    }
+  return count > 0 ? sum / count : 0;
+}
+
+// The factor of least truncated cost around a likely one: steps first, then the golden section. Its sigma follows from
+// how fast the cost rises: sum of squares = least + bending d^2 for the logarithm of the factor d off.
 Explanation with_best_factor(const Points& points, MarkSystem system, double likely) {
   const auto at = [&](double factor) {
     const MarkHypothesis hypothesis{system, factor};
@@ -150,9 +172,12 @@ Explanation with_best_factor(const Points& points, MarkSystem system, double lik
     (to_left ? high : low) = (to_left ? right : left).hypothesis.factor;
     if (const Explanation& next = to_left ? left : right; is_better(next.meeting, best.meeting)) best = next;
   }
-  const double limit = kDetermined * best.meeting.share();
-  best.is_determined = at(0.98 * best.hypothesis.factor).meeting.share() < limit &&
-                       at(1.02 * best.hypothesis.factor).meeting.share() < limit;
+  const double factor = best.hypothesis.factor, cost = best.meeting.truncated_cost;
+  const double bending = (at(factor * (1 + kCurvatureStep)).meeting.truncated_cost +
+                          at(factor * (1 - kCurvatureStep)).meeting.truncated_cost - 2 * cost) /
+                         (2 * kCurvatureStep * kCurvatureStep);
+  best.relative_sigma = bending > 0 ? noise_px(best.meeting) / std::sqrt(bending) : 1;
+  best.is_determined = bending > squared_radius_px2(points, best.hypothesis);
   return best;
 }
 
@@ -176,7 +201,8 @@ Finding finding_of_system(FindingCode code, const Explanation& found, const Mark
                      {FigureName::kOf, double(found.meeting.marks)},
                      {FigureName::kCount, double(as_given.meeting)},
                      {FigureName::kOffsetPx, limit_px},
-                     {FigureName::kRatio, found.hypothesis.factor}},
+                     {FigureName::kRatio, found.hypothesis.factor},
+                     {FigureName::kSigmaScale, found.relative_sigma}},
                     {RemedyCode::kCorrectMarks}, std::string(word_of(found.hypothesis.system)));
 }
 

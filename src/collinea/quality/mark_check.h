@@ -17,6 +17,7 @@ struct MarkMeeting {
   int marks = 0;              ///< of all points that are marked in two oriented images and more
   int redundancy_met = 0;     ///< 2 n - 3 of the n marks that meet, over all points
   int redundancy = 0;         ///< the same of all marks
+  double cost_met = 0;        ///< sum of the squared misclosures of the marks that meet [px^2]
   double truncated_cost = 0;  ///< sum of the squared misclosures, each no more than the squared tolerance [px^2]
 
   /// What part of the redundancy confirms the marks: chance pairs of many rays count little.
@@ -36,7 +37,8 @@ struct MarkDiagnosis {
 /// sigmas, three pixels and two thousandths of the image's side, inside the images, and at a depth that the tie points
 /// of the images have within a factor of two. (Vertical images that are all turned alike meet at any factor about
 /// their middle, only at another depth.) It is certain when no other one reaches half of that and, with a factor, when
-/// two per cent more and less fit clearly worse. Marks that fit are never tried otherwise.
+/// an error of this by its standard deviation moves the marks by less than their own. Marks that fit are never tried
+/// otherwise.
 [[nodiscard]] MarkDiagnosis check_marks(const Block& block);
 
 /// Brings marks into the images where findings of check_marks() say so (kMarksCorrected). Standard deviations follow

@@ -111,6 +111,7 @@ std::string wrong_point(const Words& w, const char* judge) {
 
 std::string marks_counted(const Finding& finding) {
   const double factor = finding.figure(F::kRatio).value_or(1);
+  const double sigma = factor * finding.figure(F::kSigmaScale).value_or(0);
   switch (from_word<MarkSystem>(finding.detail).value_or(MarkSystem::kAsGiven)) {
     case MarkSystem::kAsGiven:
       break;
@@ -131,14 +132,17 @@ std::string marks_counted(const Finding& finding) {
     case MarkSystem::kCentreRowsUp:
       return "counted from the middle of the images, rows upwards";
     case MarkSystem::kResampled:
-      return fmt::format("as measured in images of another size, all times {:.4g}", factor);
+      return fmt::format("as measured in images of another size, all times {:.5g} +- {:.1g}", factor, sigma);
     case MarkSystem::kResampledRowsUp:
-      return fmt::format("as measured in images of another size, all times {:.4g}, with rows counted upwards", factor);
+      return fmt::format("as measured in images of another size, all times {:.5g} +- {:.1g}, with rows counted upwards",
+                         factor, sigma);
     case MarkSystem::kScaledCentre:
-      return fmt::format("as measured from the middle of the images with {:.5g} pixels to their unit", factor);
+      return fmt::format("as measured from the middle of the images with {:.5g} +- {:.1g} pixels to their unit", factor,
+                         sigma);
     case MarkSystem::kScaledCentreRowsUp:
-      return fmt::format("as measured from the middle of the images, upwards, with {:.5g} pixels to their unit",
-                         factor);
+      return fmt::format(
+          "as measured from the middle of the images, upwards, with {:.5g} +- {:.1g} pixels to their unit", factor,
+          sigma);
   }
   return "otherwise";
 }
