@@ -13,7 +13,9 @@
 #include "collinea/adjust/refraction.h"
 #include "collinea/base/file.h"
 #include "collinea/io/adjustment_file.h"
+#include "collinea/io/bingo.h"
 #include "collinea/io/dbat_script.h"
+#include "collinea/io/patb.h"
 #include "collinea/io/photomodeler.h"
 #include "collinea/io/text.h"
 #include "collinea/jobs/internal/adjusted_report.h"
@@ -232,7 +234,12 @@ AdjustmentFile file_of(const Task& task) {
 Result<AdjustmentFile> read_adjustment(const std::filesystem::path& path) {
   COLLINEA_TRY(const std::string text, read_file(path));
   if (is_dbat_script(text)) return read_dbat_script(path);
-  const auto parse = !is_adjustment_file(text) && is_photomodeler(text) ? parse_photomodeler : parse_adjustment_file;
+  const bool is_own = is_adjustment_file(text), is_exported = !is_own && is_photomodeler(text);
+  if (!is_own && !is_exported) {
+    if (is_bingo(text, is_there(path.parent_path() / "geoin.dat"))) return read_bingo(path);
+    if (is_patb(text)) return read_patb(path);
+  }
+  const auto parse = is_exported ? parse_photomodeler : parse_adjustment_file;
   return parse(text).map_error([&](Error e) { return std::move(e).within(path.string()); });
 }
 

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -30,16 +32,28 @@ struct VectorRow {
   std::vector<std::vector<Eigen::Vector3d>> holes = {};  ///< of a polygon, closed by themselves
 };
 
+/// How QGIS draws a layer when it is opened: one symbol for all of it, and the text of a field beside each.
+struct VectorStyle {
+  std::array<std::uint8_t, 3> colour{};  ///< red, green, blue: of lines, outlines and points
+  double width_mm = 0.3;                 ///< of lines and outlines
+  double size_mm = 2;                    ///< of points
+  std::uint8_t fill_opacity = 40;        ///< of polygons, of 255
+  std::string label = {};                ///< the field; empty: none
+};
+
 struct VectorLayer {
   std::string name;
   VectorKind kind = VectorKind::kPoint;
   std::vector<VectorField> fields;
   std::vector<VectorRow> rows;
-  bool flat = false;  ///< positions without heights
+  bool flat = false;             ///< positions without heights
+  std::string description = {};  ///< what it shows, for people
+  std::optional<VectorStyle> style = {};
 };
 
-/// Writes the layers into one GeoPackage, atomically. `wkt`: of the CRS; empty: a local
-/// frame. The same layers give the same bytes. By GDAL. Errors: not writable, GDAL without the format.
+/// Writes the layers into one GeoPackage, atomically. Styles go into a table layer_styles, as QGIS keeps its own.
+/// `wkt`: of the CRS; empty: a local frame. The same layers give the same bytes. By GDAL. Errors: not writable, GDAL
+/// without the format.
 [[nodiscard]] Result<> write_geopackage(const std::filesystem::path& path, const std::vector<VectorLayer>& layers,
                                         const std::string& wkt);
 

@@ -50,7 +50,7 @@ struct AdjustmentProducts {
 [[nodiscard]] std::string control_csv(const AdjustmentReport& report, const AdjustmentProducts& products);
 /// Images, points, control and cameras as one JSON object; points as rows under their column names.
 [[nodiscard]] std::string products_json(const AdjustmentReport& report, const AdjustmentProducts& products);
-/// Layers images, tie_points and control of a GeoPackage.
+/// Layers tie_points, images and control of a GeoPackage, and those of precision_layers(), with styles for QGIS.
 [[nodiscard]] Result<> write_products(const AdjustmentReport& report, const AdjustmentProducts& products,
                                       const std::filesystem::path& geopackage);
 
