@@ -35,6 +35,7 @@ constexpr CodeRow kCodes[] = {
     {C::kTimesOfHeaders, "times_of_headers", kNote},
     {C::kControlOutsideImage, "control_outside_image", kWrong, F::kPixelX, F::kPixelY, F::kLine},
     {C::kControlImageMissing, "control_image_missing", kWrong, F::kCount},
+    {C::kControlNotGiven, "control_not_given", kNote},
     {C::kControlUnseen, "control_unseen", kWeak},
     {C::kCheckSeenOnce, "check_seen_once", kWeak},
     {C::kControlSeenOnce, "control_seen_once", kWeak},

@@ -38,6 +38,7 @@ enum class FindingCode : std::uint8_t {
   kTimesOfHeaders,       ///< times are those of the headers, because the file of positions states not all
   kControlOutsideImage,  ///< a measurement of control outside its image
   kControlImageMissing,  ///< control measured in an image that is not there
+  kControlNotGiven,      ///< a file of control that lies beside the images and was not given
   kControlUnseen,        ///< a control point in no image
   kCheckSeenOnce,        ///< a check point in one image
   kControlSeenOnce,      ///< a control point in one image

@@ -186,6 +186,8 @@ std::string words_of_measured_control(const Words& w) {
     case C::kControlImageMissing:
       return fmt::format("Control file: no image is called {} ({} left out).", w.subject(0),
                          w.counted(F::kCount, "measurement"));
+    case C::kControlNotGiven:
+      return "A file of control lies beside the images and is not used: " + w.subject(0) + ".";
     case C::kControlUnseen:
       return "Control " + w.subject(0) + " is seen in no image: it cannot be used.";
     case C::kCheckSeenOnce:

@@ -12,6 +12,7 @@
 #include "collinea/report/internal/adjustment_findings.h"
 #include "collinea/report/internal/adjustment_products.h"
 #include "collinea/report/internal/cells.h"
+#include "collinea/report/internal/precision_layers.h"
 #include "collinea/report/value_words.h"
 
 namespace collinea {
@@ -95,7 +96,7 @@ Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem:
                                                        {"adjustment.json", adjustment_json(report)},
                                                        {"adjustment.html", adjustment_page(report, products)}};
   for (const auto& [name, text] : files) COLLINEA_TRY(write_file(folder / name, text));
-  COLLINEA_TRY(write_products(report, products, folder / "adjustment.gpkg"));
+  COLLINEA_TRY(write_products(report, products, precision_layers(report, products), folder / "adjustment.gpkg"));
   if (report.snooped) return write_file(folder / "rejected.csv", rejected_csv(*report.snooped));
   return remove_file(folder / "rejected.csv");  // of an earlier adjustment
 }

@@ -10,7 +10,6 @@
 #include "collinea/block/world_frame.h"
 #include "collinea/io/opk.h"
 #include "collinea/report/internal/cells.h"
-#include "collinea/report/internal/precision_layers.h"
 #include "collinea/report/json_values.h"
 #include "collinea/vector/geopackage.h"
 
@@ -242,7 +241,7 @@ std::string products_json(const AdjustmentReport& report, const AdjustmentProduc
 }
 
 Result<> write_products(const AdjustmentReport& report, const AdjustmentProducts& products,
-                        const std::filesystem::path& geopackage) {
+                        std::vector<VectorLayer> more, const std::filesystem::path& geopackage) {
   VectorLayer images{"images",
                      VectorKind::kPoint,
                      {{"file", VectorType::kText},
@@ -312,7 +311,7 @@ Result<> write_products(const AdjustmentReport& report, const AdjustmentProducts
   points.style = VectorStyle{{150, 150, 150}, 0.1, 0.6};
   control.style = VectorStyle{{200, 40, 40}, 0.3, 2.5, 0, "name"};
   std::vector<VectorLayer> layers{std::move(images), std::move(points), std::move(control)};
-  for (VectorLayer& layer : precision_layers(report, products)) layers.push_back(std::move(layer));
+  for (VectorLayer& layer : more) layers.push_back(std::move(layer));
   return write_geopackage(geopackage, layers, products.wkt);
 }
 

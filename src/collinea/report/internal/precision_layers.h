@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "collinea/report/internal/adjustment_products.h"
-#include "collinea/vector/geopackage.h"
+#include "collinea/vector/vector_layer.h"
 
 namespace collinea {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "collinea/vector/geopackage.h"
+#include "collinea/vector/vector_layer.h"
 
 namespace collinea {
 
