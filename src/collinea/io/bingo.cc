@@ -17,7 +17,8 @@
 namespace collinea {
 namespace {
 
-constexpr double kSigma_mm = 0.003, kControlSigma_m = 0.05;
+constexpr PhotoDefaults kDefaults_mm{.unit_per_px = 0.001, .sigma = 0.003};
+constexpr double kControlSigma_m = 0.05;
 constexpr double kRadiansPerGon = std::numbers::pi / 200;
 
 using Words = std::vector<std::string_view>;
@@ -178,7 +179,7 @@ Result<AdjustmentFile> read_bingo(const std::filesystem::path& path) {
       if (!given.cameras.contains(photo.camera))
         return fail(Errc::kBadFormat, "line " + std::to_string(photo.line) + ": geoin.dat has no camera " +
                                           photo.camera + " (a line CAPA)");
-    return adjustment_of(photos, given.cameras, given.control, names, kSigma_mm);
+    return adjustment_of(photos, given.cameras, given.control, names, kDefaults_mm);
   };
   COLLINEA_TRY(AdjustmentFile file,
                read().map_error([&](Error error) { return std::move(error).within(path.string()); }));

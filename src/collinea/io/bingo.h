@@ -26,8 +26,8 @@ namespace collinea {
 [[nodiscard]] Result<> write_bingo(const std::filesystem::path& path, const Block& block, double pixel_um);
 
 /// Reads image.dat (under any name) and geoin.dat, where there is one itera.dat, and names.dat beside it. Without
-/// names.dat image coordinates have 3 um, control 0.05 m. Errors name the file and the line: bad lines, a camera that
-/// geoin.dat does not have.
+/// names.dat image coordinates have 3 um, control 0.05 m, and a pixel is 1 um. Errors name the file and the line: bad
+/// lines, a camera that geoin.dat does not have.
 [[nodiscard]] Result<AdjustmentFile> read_bingo(const std::filesystem::path& path);
 
 /// Whether the text looks like an image.dat: a head whose camera is no number, then a point. One whose camera is a

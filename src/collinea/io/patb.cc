@@ -12,7 +12,8 @@
 namespace collinea {
 namespace {
 
-constexpr double kSigma_um = 3, kControlSigma_m = 0.05;
+constexpr PhotoDefaults kDefaults_um{.unit_per_px = 1, .sigma = 3};
+constexpr double kControlSigma_m = 0.05;
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
 
 std::filesystem::path beside(std::filesystem::path path, const char* extension) {
@@ -117,7 +118,7 @@ Result<AdjustmentFile> read_patb(const std::filesystem::path& path) {
   const auto read = [&]() -> Result<AdjustmentFile> {
     COLLINEA_TRY(const auto photos, parse_photo_lists(text));
     COLLINEA_TRY(const auto cameras, cameras_of(photos));
-    return adjustment_of(photos, cameras, control, names, kSigma_um);
+    return adjustment_of(photos, cameras, control, names, kDefaults_um);
   };
   return read().map_error([&](Error error) { return std::move(error).within(path.string()); });
 }

@@ -24,7 +24,8 @@ namespace collinea {
 [[nodiscard]] Result<> write_patb(const std::filesystem::path& path, const Block& block, double pixel_um);
 
 /// Reads NAME.im and, where they are there, NAME.con and NAME.names. Cameras of different focal lengths are different
-/// cameras. Without NAME.names image coordinates have 3 um, control 0.05 m. Errors name the file and the line.
+/// cameras. Without NAME.names image coordinates have 3 um, control 0.05 m, and a pixel is 1 um. Errors name the file
+/// and the line.
 [[nodiscard]] Result<AdjustmentFile> read_patb(const std::filesystem::path& path);
 
 /// Whether the text looks like a NAME.im: two numbers above 0, then a point with two coordinates, and -99 further on.

@@ -32,16 +32,20 @@ struct Depths {
   double nearest = 0, farthest = 0;
 };
 
-// Depths of the tie points in each image, without the twentieth part at either end.
+// Depths of the tie points in each image with marks, without the twentieth part at either end.
 std::map<ImageId, Depths> depths_of(const Block& block) {
   std::map<ImageId, std::vector<double>> all;
+  for (const ControlObservation& seen : block.control_observations) all[seen.image];
   for (const Observation& seen : block.observations) {
+    const auto its = all.find(seen.image);
+    if (its == all.end()) continue;
     const auto point = block.points.find(seen.point);
     const std::optional<Rigid3> pose = find_pose(block, seen.image);
-    if (point != block.points.end() && pose) all[seen.image].push_back((*pose * point->second.position_in_world).z());
+    if (point != block.points.end() && pose) its->second.push_back((*pose * point->second.position_in_world).z());
   }
   std::map<ImageId, Depths> depths;
   for (auto& [image, values] : all) {
+    if (values.empty()) continue;
     std::sort(values.begin(), values.end());
     const std::size_t twentieth = values.size() / 20;
     depths[image] = {values[twentieth], values[values.size() - 1 - twentieth]};

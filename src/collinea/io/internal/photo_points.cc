@@ -210,11 +210,11 @@ Result<PhotoNames> read_photo_names(const std::filesystem::path& path) {
 Result<AdjustmentFile> adjustment_of(const std::vector<PhotoList>& photos,
                                      const std::map<std::string, PhotoCamera>& cameras,
                                      const std::map<std::string, PhotoControl>& control, const PhotoNames& names,
-                                     double sigma) {
+                                     const PhotoDefaults& defaults) {
   AdjustmentFile file;
   Block& block = file.block;
-  const double unit = names.unit_per_px > 0 ? names.unit_per_px : 1;
-  const double sigma_px = (names.sigma > 0 ? names.sigma : sigma) / unit;
+  const double unit = names.unit_per_px > 0 ? names.unit_per_px : defaults.unit_per_px;
+  const double sigma_px = (names.sigma > 0 ? names.sigma : defaults.sigma) / unit;
   const std::map<std::string, double> halves = halves_of(photos);
   Ids<CameraId> camera_ids;
   Ids<ControlId> control_ids;

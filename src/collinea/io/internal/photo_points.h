@@ -48,7 +48,7 @@ struct PhotoControl {
 ///     image N FILE
 ///     control N ROLE SIGMA_E SIGMA_N SIGMA_H NAME
 struct PhotoNames {
-  double unit_per_px = 0;  ///< 0: not known, a unit is taken for a pixel
+  double unit_per_px = 0;  ///< 0: not known
   double sigma = 0;        ///< 0: not known
   std::map<std::string, std::string> image, control;
   std::map<std::string, Eigen::Vector3d> sigma_m;
@@ -66,14 +66,17 @@ struct PhotoCamera {
   Eigen::Vector2d principal{0, 0};
 };
 
-/// All of it as an adjustment starts from it: the cameras without distortion and fixed, images without poses. A pixel
-/// is unit_per_px units or, where that is not known, one unit; images are as large as their coordinates ask for.
-/// `sigma`: of image coordinates where the names do not state it [unit]. Errors: a control point twice, no measurement
-/// at all.
+/// What holds where no names are there [the unit of the file].
+struct PhotoDefaults {
+  double unit_per_px = 1, sigma = 1;
+};
+
+/// All of it as an adjustment starts from it: the cameras without distortion and fixed, images without poses and as
+/// large as their coordinates ask for. Error: no measurement at all.
 [[nodiscard]] Result<AdjustmentFile> adjustment_of(const std::vector<PhotoList>& photos,
                                                    const std::map<std::string, PhotoCamera>& cameras,
                                                    const std::map<std::string, PhotoControl>& control,
-                                                   const PhotoNames& names, double sigma);
+                                                   const PhotoNames& names, const PhotoDefaults& defaults);
 
 /// The numbers that a block's things get in such files: control from 1 on, then tie points; images their ids plus 1.
 struct PhotoNumbers {
