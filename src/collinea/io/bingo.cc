@@ -19,6 +19,7 @@ namespace {
 
 constexpr PhotoDefaults kDefaults_mm{.unit_per_px = 0.001, .sigma = 0.003};
 constexpr double kControlSigma_m = 0.05;
+constexpr double kLargest = 1e9;  // of any number
 constexpr double kRadiansPerGon = std::numbers::pi / 200;
 
 using Words = std::vector<std::string_view>;
@@ -58,7 +59,7 @@ std::optional<std::array<double, kCount>> numbers_from(const Words& words, std::
   if (words.size() < first + kCount) return std::nullopt;
   for (std::size_t i = 0; i < kCount; ++i) {
     const auto value = finite_number(words[first + i]);
-    if (!value) return std::nullopt;
+    if (!value || !(std::abs(*value) < kLargest)) return std::nullopt;
     values[i] = *value;
   }
   return values;
@@ -86,7 +87,8 @@ Result<> for_each_line(const std::filesystem::path& path, Take&& take) {
 Result<> take_given(const Words& words, Given& given) {
   if (words[0] == "CAPA") {
     const auto v = numbers_from<3>(words, 3);
-    if (!v || !((*v)[0] > 0)) return fail(Errc::kBadFormat, "expected: CAPA camera 0 focal x0 y0, in millimetres");
+    if (!v || !((*v)[0] > 1 / kLargest))
+      return fail(Errc::kBadFormat, "expected: CAPA camera 0 focal x0 y0, in millimetres");
     if (!given.cameras.emplace(words[1], PhotoCamera{(*v)[0], {(*v)[1], (*v)[2]}}).second)
       return fail(Errc::kBadFormat, "camera " + std::string(words[1]) + " is there twice");
   } else if (words[0] == "CONT" || words[0] == "CHCK") {

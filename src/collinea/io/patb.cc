@@ -89,7 +89,7 @@ Result<std::map<std::string, PhotoCamera>> cameras_of(const std::vector<PhotoLis
   std::map<std::string, PhotoCamera> cameras;
   for (const PhotoList& photo : photos) {
     const auto focal = finite_number(photo.camera);
-    if (!focal || !(*focal > 0) || !(*focal < 1e9))
+    if (!focal || !(*focal > 1e-9) || !(*focal < 1e9))
       return fail(Errc::kBadFormat, "line " + std::to_string(photo.line) + ": the focal length of image " + photo.name +
                                         " is not a number above 0: \"" + photo.camera + "\"");
     cameras[photo.camera] = {*focal, {0, 0}};

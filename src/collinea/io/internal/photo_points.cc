@@ -16,7 +16,7 @@ namespace collinea {
 namespace {
 
 constexpr std::string_view kEnd = "-99";
-constexpr double kLargest = 1e9;  // of image coordinates, in any unit
+constexpr double kLargest = 1e9;  // of image coordinates and of what they are divided by, in any unit
 
 tl::unexpected<Error> bad_line(std::size_t line, const std::string& what) {
   return fail(Errc::kBadFormat, "line " + std::to_string(line) + ": " + what);
@@ -113,7 +113,7 @@ Result<> take_name_line(std::string_view line, const std::vector<std::string_vie
     return {};
   }
   const auto value = words.size() == 2 ? finite_number(words[1]) : std::nullopt;
-  if ((words[0] != "unit" && words[0] != "sigma") || !value || !(*value > 0))
+  if ((words[0] != "unit" && words[0] != "sigma") || !value || !(*value > 1 / kLargest) || !(*value < kLargest))
     return fail(Errc::kBadFormat, "expected a line unit, sigma, image or control");
   (words[0] == "unit" ? names.unit_per_px : names.sigma) = *value;
   return {};
