@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/io/adjustment_file.h"
+#include "collinea/io/bingo.h"
 #include "collinea/io/dbat_script.h"
+#include "collinea/io/patb.h"
 #include "collinea/io/photomodeler.h"
 #include "sound.h"
 #include "target.h"
@@ -70,6 +72,27 @@ bool accepts_dbat(std::string_view bytes) {
   return accepted(read_dbat_script(file_of(parts[0], "script.xml")));
 }
 
+// The parts of one input, as the files of these names; the first is read.
+template <class Read>
+bool accepts_files(std::string_view bytes, std::initializer_list<const char*> names, Read&& read) {
+  const auto parts = parts_of(bytes);
+  std::filesystem::path first;
+  std::size_t i = 0;
+  for (const char* name : names) {
+    const auto path = file_of(i < parts.size() ? parts[i] : std::string_view{}, name);
+    if (i++ == 0) first = path;
+  }
+  return accepted(read(first));
+}
+
+std::string photo_seed(const char* head, const char* control, const char* names) {
+  const std::string cut(kCut);
+  return std::string("1 ") + head + "\n1 -1200.5 300\n3 10 20\n-99\n2 " + head + "\n1 900 310\n3 -2000 25\n-99\n" +
+         cut + control + cut + names + cut + "ORIA 1 0 0 50 0.1 -0.2 100 0\n";
+}
+
+constexpr const char* kPhotoNames = "unit 4.4\nsigma 2\nimage 1 a b.jpg\ncontrol 1 check 0.01 0.01 inf G 1\n";
+
 // What was read can be written, and that can be read again.
 bool accepts_adjustment(std::string_view bytes) {
   const auto file = parse_adjustment_file(bytes);
@@ -86,7 +109,17 @@ std::vector<Target> adjustment_targets() {
           {"dbat", accepts_dbat, {dbat_seed()}},
           {"photomodeler",
            [](std::string_view bytes) { return is_photomodeler(bytes) && accepted(parse_photomodeler(bytes)); },
-           {kPhotomodeler}}};
+           {kPhotomodeler}},
+          {"patb",
+           [](std::string_view bytes) {
+             return accepts_files(bytes, {"a.im", "a.con", "a.names"}, read_patb);
+           },
+           {photo_seed("15300", "1 10 20\n-99\n1 3\n-99\n", kPhotoNames)}},
+          {"bingo",
+           [](std::string_view bytes) {
+             return accepts_files(bytes, {"image.dat", "geoin.dat", "names.dat", "itera.dat"}, read_bingo);
+           },
+           {photo_seed("C1", "CAPA C1 0 20 0.1 0\nCONT 1 10 20 3\nCHCK 3 1 2 3\n", kPhotoNames)}}};
 }
 
 }  // namespace collinea::fuzz

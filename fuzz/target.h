@@ -19,7 +19,7 @@ struct Target {
 
 // One family of readers a file; together they are all targets.
 [[nodiscard]] std::vector<Target> table_targets();        ///< control, ground, positions, rows of numbers
-[[nodiscard]] std::vector<Target> adjustment_targets();   ///< adjustment file, DBAT, PhotoModeler
+[[nodiscard]] std::vector<Target> adjustment_targets();   ///< adjustment file, DBAT, PhotoModeler, PATB, BINGO
 [[nodiscard]] std::vector<Target> orientation_targets();  ///< COLMAP, Bundler, omega-phi-kappa
 [[nodiscard]] std::vector<Target> image_targets();        ///< JPEG, PNG, TIFF and their headers, float TIFF, GeoTIFF
 [[nodiscard]] std::vector<Target> cloud_targets();        ///< LAS, LAZ, COPC, PLY

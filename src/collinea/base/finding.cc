@@ -35,6 +35,7 @@ constexpr CodeRow kCodes[] = {
     {C::kTimesOfHeaders, "times_of_headers", kNote},
     {C::kControlOutsideImage, "control_outside_image", kWrong, F::kPixelX, F::kPixelY, F::kLine},
     {C::kControlImageMissing, "control_image_missing", kWrong, F::kCount},
+    {C::kControlNotGiven, "control_not_given", kNote},
     {C::kControlUnseen, "control_unseen", kWeak},
     {C::kCheckSeenOnce, "check_seen_once", kWeak},
     {C::kControlSeenOnce, "control_seen_once", kWeak},
@@ -53,6 +54,12 @@ constexpr CodeRow kCodes[] = {
     {C::kControlInconsistent, "control_inconsistent", kWrong, F::kOffset},
     {C::kControlAxesSwapped, "control_axes_swapped", kWrong},
     {C::kControlAxesExchanged, "control_axes_exchanged", kNote},
+    {C::kMarksCountedOtherwise, "marks_counted_otherwise", kWrong, F::kCount, F::kOf, F::kCount, F::kOffsetPx,
+     F::kRatio, F::kSigmaScale},
+    {C::kMarksCorrected, "marks_corrected", kNote, F::kCount, F::kOf, F::kCount, F::kOffsetPx, F::kRatio,
+     F::kSigmaScale},
+    {C::kMarksOutside, "marks_outside", kWrong, F::kCount, F::kOf},
+    {C::kMarksMirrored, "marks_mirrored", kWrong, F::kCount, F::kOf, F::kOffsetPx, F::kRatio},
     {C::kPositionHeights, "position_heights", kWrong, F::kUp},
     {C::kPositionOffset, "position_offset", kWrong, F::kOffset, F::kEast, F::kNorth},
     {C::kPositionCrs, "position_crs", kWrong, F::kOffset},
@@ -277,6 +284,7 @@ constexpr RemedyRow kRemedies[] = {
     {R::kMeasureInAnother, "measure_in_another"},
     {R::kFolderOfEachFlight, "folder_of_each_flight"},
     {R::kSeeAdjustment, "see_adjustment"},
+    {R::kCorrectMarks, "correct_marks"},
 };
 
 static_assert(is_in_order(kCodes, kFindingCodes, &CodeRow::code));

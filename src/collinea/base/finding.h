@@ -38,6 +38,7 @@ enum class FindingCode : std::uint8_t {
   kTimesOfHeaders,       ///< times are those of the headers, because the file of positions states not all
   kControlOutsideImage,  ///< a measurement of control outside its image
   kControlImageMissing,  ///< control measured in an image that is not there
+  kControlNotGiven,      ///< a file of control that lies beside the images and was not given
   kControlUnseen,        ///< a control point in no image
   kCheckSeenOnce,        ///< a check point in one image
   kControlSeenOnce,      ///< a control point in one image
@@ -57,6 +58,10 @@ enum class FindingCode : std::uint8_t {
   kControlInconsistent,      ///< two points contradict each other and nothing tells which is wrong
   kControlAxesSwapped,       ///< eastings and northings are exchanged
   kControlAxesExchanged,     ///< they were exchanged back
+  kMarksCountedOtherwise,    ///< image measurements of control fit another system of image coordinates: the detail
+  kMarksCorrected,           ///< they were brought into the images so
+  kMarksOutside,             ///< many lie outside their images; kept, to find out how they were counted
+  kMarksMirrored,            ///< images of a file of measurements fit mirrored ones better: the detail
   kPositionHeights,          ///< heights of positions are off those of control by a constant
   kPositionOffset,           ///< positions are off the control by a constant in plan
   kPositionCrs,              ///< by so much that one of the two is in another coordinate system
@@ -336,8 +341,9 @@ enum class RemedyCode : std::uint8_t {
   kMeasureInAnother,  ///< image
   kFolderOfEachFlight,
   kSeeAdjustment,  ///< which tells more
+  kCorrectMarks,   ///< image coordinates, in the file that they come from
 };
-inline constexpr std::size_t kRemedyCodes = static_cast<std::size_t>(RemedyCode::kSeeAdjustment) + 1;
+inline constexpr std::size_t kRemedyCodes = static_cast<std::size_t>(RemedyCode::kCorrectMarks) + 1;
 
 /// One thing that helps. Several of a finding are alternatives, except for kDatumDefect: there each helps one subject.
 struct Remedy {

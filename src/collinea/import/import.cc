@@ -11,6 +11,7 @@
 #include <set>
 #include <tuple>
 
+#include "collinea/base/file.h"
 #include "collinea/base/hash.h"
 #include "collinea/base/units.h"
 #include "collinea/geodesy/heights.h"
@@ -488,6 +489,22 @@ Result<ControlFile> control_of(const ImportOptions& options) {
   return control;
 }
 
+constexpr const char* kUsualControlFiles[] = {"gcp_list.txt", "gcp.txt", "gcp.csv", "gcps.csv", "control.csv"};
+
+// A control file that lies in the folder of the images, or beside it, and was not given.
+void name_control_not_given(const fs::path& photos, Imported& imported) {
+  for (const fs::path& folder : {photos, photos / ".."})
+    for (const char* name : kUsualControlFiles)
+      if (const fs::path path = folder / name; is_there(path)) {
+        const auto control = read_control(path);
+        if (!control || !is_surveyed(*control)) continue;
+        imported.findings.push_back(finding_of(FindingCode::kControlNotGiven,
+                                               {Subject::file(path.lexically_normal().string())}, {},
+                                               {OptionName{"control", "import"}}));
+        return;
+      }
+}
+
 }  // namespace
 
 Result<Imported> import_images(const fs::path& photos, const ImportOptions& options, const Run& run) {
@@ -520,6 +537,7 @@ Result<Imported> import_images(const fs::path& photos, const ImportOptions& opti
   COLLINEA_TRY(add_map_attitudes(imported, positions));
   if (options.geodetic) COLLINEA_TRY(add_geodetic(imported, *options.geodetic));
   name_unseen_control(imported);
+  if (!options.control) name_control_not_given(photos, imported);
   return imported;
 }
 

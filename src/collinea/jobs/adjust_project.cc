@@ -11,11 +11,15 @@
 
 #include "collinea/base/file.h"
 #include "collinea/io/adjustment_file.h"
+#include "collinea/io/bingo.h"
 #include "collinea/io/dbat_script.h"
+#include "collinea/io/patb.h"
 #include "collinea/io/photomodeler.h"
 #include "collinea/orient/approximate.h"
 #include "collinea/orient/instrument_options.h"
+#include "collinea/orient/mirrored.h"
 #include "collinea/project/adjustment_task.h"
+#include "collinea/report/finding_words.h"
 
 namespace collinea {
 namespace {
@@ -64,7 +68,12 @@ AdjustmentFile file_of(const AdjustmentTask& task) {
 Result<AdjustmentFile> read_adjustment(const std::filesystem::path& path) {
   COLLINEA_TRY(const std::string text, read_file(path));
   if (is_dbat_script(text)) return read_dbat_script(path);
-  const auto parse = !is_adjustment_file(text) && is_photomodeler(text) ? parse_photomodeler : parse_adjustment_file;
+  const bool is_own = is_adjustment_file(text), is_exported = !is_own && is_photomodeler(text);
+  if (!is_own && !is_exported) {
+    if (is_bingo(text, is_there(path.parent_path() / "geoin.dat"))) return read_bingo(path);
+    if (is_patb(text)) return read_patb(path);
+  }
+  const auto parse = is_exported ? parse_photomodeler : parse_adjustment_file;
   return parse(text).map_error([&](Error e) { return std::move(e).within(path.string()); });
 }
 
@@ -77,6 +86,7 @@ std::string names(const std::vector<Id>& ids, const auto& name_of) {
 }
 
 Result<> complete(Block& block, const Run& run) {
+  for (const Finding& finding : mirrored_measurements(block, run.seed)) run.say("note: " + sentence_of(finding, block));
   COLLINEA_TRY(const Approximation found, approximate(block, run.seed));
   if (!found.resected.empty() || found.intersected > 0)
     run.say(fmt::format("approximate values: {} images resected, {} points intersected", found.resected.size(),

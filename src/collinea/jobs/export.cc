@@ -10,9 +10,11 @@
 #include "collinea/base/file.h"
 #include "collinea/cloud/las.h"
 #include "collinea/cloud/ply.h"
+#include "collinea/io/bingo.h"
 #include "collinea/io/bundler.h"
 #include "collinea/io/colmap.h"
 #include "collinea/io/opk.h"
+#include "collinea/io/patb.h"
 #include "collinea/io/text.h"
 #include "collinea/radiometry/tie_point_colours.h"
 #include "collinea/raster/image_file.h"
@@ -133,6 +135,10 @@ std::optional<LasForm> cloud_form_of(ExportFormat format) {
   return std::nullopt;
 }
 
+bool has_colours(ExportFormat format) {
+  return format == ExportFormat::kColmap || format == ExportFormat::kBundler || format == ExportFormat::kPly;
+}
+
 PixelSource pixels_of(const Project& project, const Block& block) {
   return [&](ImageId image, int shrink) { return read_colour(project.image_file(block.images.at(image)), shrink); };
 }
@@ -151,8 +157,7 @@ Result<> export_block(Project& project, const std::filesystem::path& folder, con
   std::filesystem::create_directories(folder, error);
   if (error) return fail(Errc::kBadInput, "cannot make " + folder.string() + ": " + error.message());
   if (cloud) return export_cloud(project, folder, *cloud, options.tile_m);
-  if (options.format != ExportFormat::kOpk)  // nothing else looks at the colours
-    COLLINEA_TRY(colour_tie_points(pixels_of(project, block), block, project.run));
+  if (has_colours(options.format)) COLLINEA_TRY(colour_tie_points(pixels_of(project, block), block, project.run));
   switch (options.format) {
     case ExportFormat::kColmap:
       return export_colmap(project, folder, block);
@@ -160,6 +165,10 @@ Result<> export_block(Project& project, const std::filesystem::path& folder, con
       return export_bundler(project, folder, block);
     case ExportFormat::kOpk:
       return write_opk(folder / "orientation.opk", block);
+    case ExportFormat::kPatb:
+      return write_patb(folder / "block.im", block, options.pixel_um);
+    case ExportFormat::kBingo:
+      return write_bingo(folder / "image.dat", block, options.pixel_um);
     default:
       return export_tie_points(folder, block);
   }

@@ -8,6 +8,7 @@
 #include "collinea/block/world_frame.h"
 #include "collinea/orient/instrument_options.h"
 #include "collinea/quality/control_check.h"
+#include "collinea/quality/mark_check.h"
 
 namespace collinea {
 namespace {
@@ -35,10 +36,20 @@ std::optional<std::map<ControlId, ControlPoint>> with_exchanged_axes(const Block
   return control;
 }
 
+// Marks that were counted otherwise, brought into the images where that is certain; what lies outside them is left out.
+std::vector<Finding> with_marks_in_images(Block& block, Block& setup) {
+  const MarkDiagnosis marks = check_marks(block);
+  for (Block* one : {&block, &setup}) {
+    correct_marks(marks.findings, *one);
+    remove_marks_outside(*one);
+  }
+  return marks.findings;
+}
+
 }  // namespace
 
 CheckedSetup reject_wrong_control(Block block, Block setup, bool expects_shift, std::uint64_t seed) {
-  CheckedSetup checked;
+  CheckedSetup checked{.findings = with_marks_in_images(block, setup)};
   ControlDiagnosis diagnosis = diagnosis_of(block, expects_shift, seed);
   if (diagnosis.axes_swapped)
     if (auto control = with_exchanged_axes(setup)) {

@@ -18,9 +18,11 @@ struct CheckedSetup {
 };
 
 /// Examines control against positions and control points against each other, see check_control(), and does what the
-/// diagnosis recommends. Exchanged columns of the control are put right; where that leads more than 100 km away from
-/// the block, no control is used. `block`: oriented, in any frame, with the control of `setup`. With `expects_shift` a
-/// constant offset of the positions is no error, see expect_shift().
+/// diagnosis recommends. Before that, marks that fit another system of image coordinates are brought into the images
+/// where that is certain, see check_marks(), and those that lie outside their images are removed. Exchanged columns of
+/// the control are put right; where that leads more than 100 km away from the block, no control is used. `block`:
+/// oriented, in any frame, with the control of `setup`. With `expects_shift` a constant offset of the positions is no
+/// error, see expect_shift().
 [[nodiscard]] CheckedSetup reject_wrong_control(Block block, Block setup, bool expects_shift, std::uint64_t seed);
 
 }  // namespace collinea

@@ -9,6 +9,7 @@
 
 #include "collinea/orient/control_rejection.h"
 #include "collinea/orient/instrument_options.h"
+#include "collinea/quality/mark_check.h"
 #include "collinea/report/value_words.h"
 
 namespace collinea {
@@ -48,7 +49,11 @@ void take_control(const Project& project, const AdjustmentOptions& asked, const 
   const bool shift_is_unknown = result.instruments.position_shift != PositionShift::kNone;
   const AdjustScope& scope = result.task.scope;
   if (scope.use_control) block = reject_wrong_control(block, block, shift_is_unknown, project.settings.seed).setup;
-  if (asked.snoop.value_or(false)) block.control_observations = setup.control_observations;  // rejected ones too
+  if (asked.snoop.value_or(false)) {  // those that orient rejected too
+    block.control_observations = setup.control_observations;
+    correct_marks(result.orientation.findings, block);
+    remove_marks_outside(block);
+  }
   if (scope.use_control && !asked.given_sigmas)
     judge_as_orient_did(result.orientation, !shift_is_unknown, block, project.run);
 }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "collinea/quality/mark_systems.h"
+
 namespace collinea {
 namespace {
 
@@ -107,6 +109,75 @@ std::string wrong_point(const Words& w, const char* judge) {
                      w.subject(0), off, off < 10 ? 2 : 1, where, judge);
 }
 
+std::string marks_counted(const Finding& finding) {
+  const double factor = finding.figure(F::kRatio).value_or(1);
+  const double sigma = factor * finding.figure(F::kSigmaScale).value_or(0);
+  switch (from_word<MarkSystem>(finding.detail).value_or(MarkSystem::kAsGiven)) {
+    case MarkSystem::kAsGiven:
+      break;
+    case MarkSystem::kRowsUp:
+      return "with rows counted upwards";
+    case MarkSystem::kColumnsLeft:
+      return "with columns counted to the left";
+    case MarkSystem::kUpsideDown:
+      return "turned by 180 degrees";
+    case MarkSystem::kExchanged:
+      return "with columns and rows exchanged";
+    case MarkSystem::kTurnedRight:
+      return "as measured in images that were shown turned to the right";
+    case MarkSystem::kTurnedLeft:
+      return "as measured in images that were shown turned to the left";
+    case MarkSystem::kCentre:
+      return "counted from the middle of the images";
+    case MarkSystem::kCentreRowsUp:
+      return "counted from the middle of the images, rows upwards";
+    case MarkSystem::kResampled:
+      return fmt::format("as measured in images of another size, all times {:.5g} +- {:.1g}", factor, sigma);
+    case MarkSystem::kResampledRowsUp:
+      return fmt::format("as measured in images of another size, all times {:.5g} +- {:.1g}, with rows counted upwards",
+                         factor, sigma);
+    case MarkSystem::kScaledCentre:
+      return fmt::format("as measured from the middle of the images with {:.5g} +- {:.1g} pixels to their unit", factor,
+                         sigma);
+    case MarkSystem::kScaledCentreRowsUp:
+      return fmt::format(
+          "as measured from the middle of the images, upwards, with {:.5g} +- {:.1g} pixels to their unit", factor,
+          sigma);
+  }
+  return "otherwise";
+}
+
+std::string words_of_marks(const Words& w) {
+  const auto counts = w.finding.figures_of(F::kCount);
+  switch (w.finding.code) {
+    case C::kMarksCountedOtherwise:
+      return fmt::format(
+          "Image measurements of control fit the images {}: {} of {} then meet the others within {:.1f} px, as given "
+          "{:.0f}.",
+          marks_counted(w.finding), w.whole(F::kCount), w.whole(F::kOf), w[F::kOffsetPx],
+          counts.size() > 1 ? counts[1] : 0);
+    case C::kMarksCorrected:
+      return fmt::format("Image measurements of control are used {}.", marks_counted(w.finding));
+    case C::kMarksOutside:
+      return fmt::format(
+          "{} of {} image measurements of control lie outside their images: they were not counted in pixels from the "
+          "upper-left corner of these. Orientation looks for the way in which they were.",
+          w.whole(F::kCount), w.whole(F::kOf));
+    case C::kMarksMirrored:
+      if (w[F::kRatio] < 3)
+        return fmt::format(
+            "The cameras of {} images stand beneath all control that they show. With the image measurements {} they "
+            "stand above it, and miss it by {:.1f} px.",
+            w.whole(F::kOf), marks_counted(w.finding), w[F::kOffsetPx]);
+      return fmt::format(
+          "{} of {} images fit control better with the image measurements {}: they miss it by {:.1f} px, {:.2g} times "
+          "less than as given.",
+          w.whole(F::kCount), w.whole(F::kOf), marks_counted(w.finding), w[F::kOffsetPx], w[F::kRatio]);
+    default:
+      return "";
+  }
+}
+
 std::string words_of_measured_control(const Words& w) {
   switch (w.finding.code) {
     case C::kControlOutsideImage:
@@ -115,6 +186,8 @@ std::string words_of_measured_control(const Words& w) {
     case C::kControlImageMissing:
       return fmt::format("Control file: no image is called {} ({} left out).", w.subject(0),
                          w.counted(F::kCount, "measurement"));
+    case C::kControlNotGiven:
+      return "A file of control lies beside the images and is not used: " + w.subject(0) + ".";
     case C::kControlUnseen:
       return "Control " + w.subject(0) + " is seen in no image: it cannot be used.";
     case C::kCheckSeenOnce:
@@ -552,7 +625,7 @@ std::string reason_of(const Finding& skipped, const Block& block) {
 std::string what_of(const Finding& finding, const Block& block) {
   const Words words{finding, block};
   for (const auto of :
-       {words_of_given, words_of_measured_control, words_of_control, words_of_positions, words_of_datum,
+       {words_of_given, words_of_measured_control, words_of_marks, words_of_control, words_of_positions, words_of_datum,
         words_of_weak_images, words_of_weak_unknowns, words_of_weak_cases, words_of_orientation, words_of_products})
     if (std::string text = of(words); !text.empty()) return text;
   return std::string(word_of(finding.code)) + ".";

@@ -75,6 +75,9 @@ constexpr Phrase kPhrases[] = {
     {R::kFolderOfEachFlight,
      "keep the images of each flight in a folder that is called like the beginning of the file's name"},
     {R::kSeeAdjustment, "see the report of an adjustment for which, and how alike they are"},
+    {R::kCorrectMarks,
+     "write columns to the right and rows downwards, in pixels from the upper-left corner of the images that are used, "
+     "into the file of measurements"},
 };
 static_assert(is_in_order(kPhrases, kRemedyCodes, &Phrase::code));
 

@@ -14,6 +14,7 @@
 #include "collinea/report/internal/adjustment_findings.h"
 #include "collinea/report/internal/adjustment_products.h"
 #include "collinea/report/internal/cells.h"
+#include "collinea/report/internal/precision_layers.h"
 #include "collinea/report/value_words.h"
 
 namespace collinea {
@@ -109,7 +110,8 @@ Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem:
   std::array<Result<>, 2> written;
   parallel_for(run, written.size(), [&](std::size_t i) {
     written[i] =
-        i == 0 ? write_products(report, products, folder / "adjustment.gpkg") : write_texts(report, products, folder);
+        i == 0 ? write_products(report, products, precision_layers(report, products),
+                                         folder / "adjustment.gpkg") : write_texts(report, products, folder);
   });
   for (Result<>& one : written)
     if (!one) return std::move(one);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/vector/geopackage.h"
 
+#include <cpl_string.h>
 #include <ogr_api.h>
 #include <ogr_srs_api.h>
 
 #include <cmath>
 
+#include "collinea/vector/internal/layer_style.h"
 #include "collinea/vector/internal/vector_file.h"
 
 namespace collinea {
@@ -26,8 +28,23 @@ OGRFieldType field_type(VectorType type) {
   return type == VectorType::kReal ? OFTReal : type == VectorType::kInteger ? OFTInteger64 : OFTString;
 }
 
+class CreationOptions {
+ public:
+  CreationOptions() = default;
+  CreationOptions(const CreationOptions&) = delete;
+  CreationOptions& operator=(const CreationOptions&) = delete;
+  ~CreationOptions() { CSLDestroy(list_); }
+  void set(const char* name, const std::string& value) { list_ = CSLSetNameValue(list_, name, value.c_str()); }
+  [[nodiscard]] char** list() const { return list_; }
+
+ private:
+  char** list_ = nullptr;
+};
+
 OGRLayerH made_layer(void* dataset, const VectorLayer& layer, void* srs) {
-  const OGRLayerH made = GDALDatasetCreateLayer(dataset, layer.name.c_str(), srs, geometry_type(layer), nullptr);
+  CreationOptions options;
+  if (!layer.description.empty()) options.set("DESCRIPTION", layer.description);
+  const OGRLayerH made = GDALDatasetCreateLayer(dataset, layer.name.c_str(), srs, geometry_type(layer), options.list());
   for (std::size_t i = 0; made && i < layer.fields.size(); ++i) {
     const OGRFieldDefnH field = OGR_Fld_Create(layer.fields[i].name.c_str(), field_type(layer.fields[i].type));
     const OGRErr failed = OGR_L_CreateField(made, field, TRUE);
@@ -86,6 +103,61 @@ bool add_rows(OGRLayerH made, const VectorLayer& layer) {
   return !begun || OGR_L_CommitTransaction(made) == OGRERR_NONE;
 }
 
+// The table that QGIS looks for styles in: its columns, and what is the same in every row.
+struct StyleColumn {
+  const char* name;
+  OGRFieldType type;
+  const char* value;  // nullptr: of the layer
+};
+constexpr StyleColumn kStyleColumns[] = {{"f_table_catalog", OFTString, ""},
+                                         {"f_table_schema", OFTString, ""},
+                                         {"f_table_name", OFTString, nullptr},
+                                         {"f_geometry_column", OFTString, nullptr},
+                                         {"styleName", OFTString, "collinea"},
+                                         {"styleQML", OFTString, nullptr},
+                                         {"styleSLD", OFTString, ""},
+                                         {"useAsDefault", OFTInteger, "1"},
+                                         {"description", OFTString, ""},
+                                         {"owner", OFTString, ""},
+                                         {"ui", OFTString, ""},
+                                         {"update_time", OFTDateTime, "2000/01/01 00:00:00"}};
+
+OGRLayerH made_style_table(void* dataset) {
+  CreationOptions options;
+  options.set("FID", "id");
+  const OGRLayerH made = GDALDatasetCreateLayer(dataset, "layer_styles", nullptr, wkbNone, options.list());
+  for (const StyleColumn& column : kStyleColumns) {
+    if (!made) break;
+    const OGRFieldDefnH field = OGR_Fld_Create(column.name, column.type);
+    if (column.type == OFTInteger) OGR_Fld_SetSubType(field, OFSTBoolean);
+    const OGRErr failed = OGR_L_CreateField(made, field, TRUE);
+    OGR_Fld_Destroy(field);
+    if (failed != OGRERR_NONE) return nullptr;
+  }
+  return made;
+}
+
+bool add_style(OGRLayerH table, const VectorLayer& layer, const std::string& geometry_column) {
+  const std::unique_ptr<void, FeatureDestroyer> feature(OGR_F_Create(OGR_L_GetLayerDefn(table)));
+  const std::string of_layer[] = {layer.name, geometry_column, qml_of(layer)};
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < std::size(kStyleColumns); ++i)
+    OGR_F_SetFieldString(feature.get(), int(i),
+                         kStyleColumns[i].value ? kStyleColumns[i].value : of_layer[next++].c_str());
+  return OGR_L_CreateFeature(table, feature.get()) == OGRERR_NONE;
+}
+
+bool add_styles(void* dataset, const std::vector<VectorLayer>& layers) {
+  OGRLayerH table = nullptr;
+  for (const VectorLayer& layer : layers) {
+    if (!layer.style) continue;
+    if (!table) table = made_style_table(dataset);
+    const OGRLayerH its = GDALDatasetGetLayerByName(dataset, layer.name.c_str());
+    if (!table || !its || !add_style(table, layer, OGR_L_GetGeometryColumn(its))) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 Result<> write_geopackage(const std::filesystem::path& path, const std::vector<VectorLayer>& layers,
@@ -100,6 +172,7 @@ Result<> write_geopackage(const std::filesystem::path& path, const std::vector<V
     const OGRLayerH made = made_layer(file.dataset(), layer, srs.get());
     if (!made || !add_rows(made, layer) || errors.any()) return file.not_written(errors);
   }
+  if (!add_styles(file.dataset(), layers) || errors.any()) return file.not_written(errors);
   return file.finish();
 }
 

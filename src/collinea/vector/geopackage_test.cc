@@ -76,6 +76,43 @@ TEST(GeoPackage, IsReadBackByGdalWithPositionsValuesAndCrs) {
   OGR_F_Destroy(feature);
 }
 
+// As QGIS looks for them: by the names of the table and of its geometry column, the one that is the default.
+TEST(GeoPackage, StylesAreInTheTableThatQgisReads) {
+  const TestFolder folder;
+  set_up_gdal();
+  std::vector<VectorLayer> layers = two_layers();
+  layers[0].style = VectorStyle{{200, 40, 30}, 0.5, 2.5, 0, "na<me"};
+  layers[0].description = "what it shows";
+  layers[1].style = VectorStyle{{1, 2, 3}};
+  for (const char* name : {"a.gpkg", "b.gpkg"}) ASSERT_TRUE(write_geopackage(folder / name, layers, ""));
+  EXPECT_TRUE(bytes_of(folder / "a.gpkg") == bytes_of(folder / "b.gpkg"));
+  const GdalDataset file(
+      GDALOpenEx((folder / "a.gpkg").c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
+  ASSERT_TRUE(file);
+  const auto rows = [&](const char* query) {
+    std::vector<std::string> found;
+    const OGRLayerH answer = GDALDatasetExecuteSQL(file.get(), query, nullptr, nullptr);
+    while (OGRFeatureH row = answer ? OGR_L_GetNextFeature(answer) : nullptr) {
+      found.emplace_back(OGR_F_GetFieldAsString(row, 0));
+      OGR_F_Destroy(row);
+    }
+    if (answer) GDALDatasetReleaseResultSet(file.get(), answer);
+    return found;
+  };
+  const auto styles = rows(
+      "SELECT styleQML FROM layer_styles WHERE f_table_schema='' AND f_table_name='points' AND "
+      "f_geometry_column='geom' "
+      "AND useAsDefault=1");
+  ASSERT_EQ(styles.size(), 1u);
+  EXPECT_NE(styles[0].find("<prop k=\"color\" v=\"200,40,30,255\"/>"), std::string::npos) << styles[0];
+  EXPECT_NE(styles[0].find("fieldName=\"na&lt;me\""), std::string::npos) << styles[0];
+  EXPECT_EQ(rows("SELECT f_table_name FROM layer_styles ORDER BY id"), (std::vector<std::string>{"points", "site"}));
+  EXPECT_EQ(rows("SELECT data_type FROM gpkg_contents WHERE table_name='layer_styles'"),
+            std::vector<std::string>{"attributes"});
+  EXPECT_EQ(rows("SELECT description FROM gpkg_contents WHERE table_name='points'"),
+            std::vector<std::string>{"what it shows"});
+}
+
 TEST(GeoPackage, TheSameLayersGiveTheSameBytesAndReplaceWhatWasThere) {
   const TestFolder folder;
   ASSERT_TRUE(write_geopackage(folder / "a.gpkg", two_layers(), ""));

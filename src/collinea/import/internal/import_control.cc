@@ -42,6 +42,14 @@ Result<> rotate_covariance(const ControlFilePoint& point, const std::string& crs
   return {};
 }
 
+constexpr std::size_t kFewOutside = 4, kPartOutside = 3;
+
+// Marks outside their images are slips when they are few. When they are a third of all, the marks were counted in
+// another way than from the upper-left corner of these images, and orientation finds out in which: all are kept.
+bool are_counted_otherwise(const std::vector<ControlObservation>& outside, std::size_t all) {
+  return outside.size() >= kFewOutside && kPartOutside * outside.size() >= all;
+}
+
 bool is_surveyed(const ControlFilePoint& point) { return point.sigma_m.array().isFinite().any(); }
 
 }  // namespace
@@ -68,22 +76,31 @@ Result<> add_control(Imported& imported, const ControlFile& control, const Local
   }
   const ImageNames images(block);
   std::map<std::string, int> missing;
+  std::vector<Finding> each_outside;
+  std::vector<ControlObservation> outside;
   for (const ControlFileObservation& row : control.observations) {
     const auto image = images.find(row.file);
     if (!image) {
       ++missing[row.file];
       continue;
     }
-    if (!inside(block.camera_of(*image), row.pixel)) {
-      imported.findings.push_back(finding_of(FindingCode::kControlOutsideImage, {by_name.at(row.point), *image},
-                                             {{FigureName::kPixelX, row.pixel.x()},
-                                              {FigureName::kPixelY, row.pixel.y()},
-                                              {FigureName::kLine, double(row.line)}}));
-      continue;
-    }
     const ControlId point = by_name.at(row.point);
-    block.control_observations.push_back({point, *image, row.pixel, row.sigma_px});
+    const bool is_inside = inside(block.camera_of(*image), row.pixel);
+    (is_inside ? block.control_observations : outside).push_back({point, *image, row.pixel, row.sigma_px});
+    if (!is_inside)
+      each_outside.push_back(finding_of(FindingCode::kControlOutsideImage, {point, *image},
+                                        {{FigureName::kPixelX, row.pixel.x()},
+                                         {FigureName::kPixelY, row.pixel.y()},
+                                         {FigureName::kLine, double(row.line)}}));
   }
+  if (const std::size_t all = outside.size() + block.control_observations.size();
+      frame && are_counted_otherwise(outside, all)) {
+    block.control_observations.insert(block.control_observations.end(), outside.begin(), outside.end());
+    each_outside = {finding_of(FindingCode::kMarksOutside, {},
+                               {{FigureName::kCount, double(outside.size())}, {FigureName::kOf, double(all)}},
+                               {RemedyCode::kCorrectMarks})};
+  }
+  imported.findings.insert(imported.findings.end(), each_outside.begin(), each_outside.end());
   for (const auto& [file, rows] : missing)
     imported.findings.push_back(
         finding_of(FindingCode::kControlImageMissing, {Subject::file(file)}, {{FigureName::kCount, double(rows)}}));

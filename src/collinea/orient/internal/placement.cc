@@ -13,6 +13,7 @@
 #include "collinea/orient/internal/geodetic_scale.h"
 #include "collinea/orient/internal/level_datum.h"
 #include "collinea/orient/internal/strip_datum.h"
+#include "collinea/quality/mark_check.h"
 
 namespace collinea {
 namespace {
@@ -42,6 +43,14 @@ void check_control_of(Reconstruction& part, Placement& placed, const OrientOptio
   part.set_setup(std::move(checked.setup));
   placed.excluded_control = std::move(checked.excluded);
   add(placed, checked.findings);
+}
+
+// Marks that import kept although they lie outside their images, to find out how they were counted.
+void leave_out_marks_outside(Reconstruction& part) {
+  Block setup = part.setup();
+  const std::size_t before = setup.control_observations.size();
+  remove_marks_outside(setup);
+  if (setup.control_observations.size() < before) part.set_setup(std::move(setup));
 }
 
 // Without control or positions the gauge is made readable: origin in the middle of the cameras, z opposite to the mean
@@ -195,7 +204,10 @@ Placement set_datum(Reconstruction& part, const GivenOrientation* given, const O
   Placement begun;
   begun.scope = {
       .use_positions = options.use_positions, .use_control = options.use_control, .use_geodetic = options.use_geodetic};
-  if (has_map && options.use_control) check_control_of(part, begun, options, seed);
+  if (has_map && options.use_control)
+    check_control_of(part, begun, options, seed);
+  else
+    leave_out_marks_outside(part);
   if (given)
     if (auto placed = placed_as_given(part, *given, options, begun)) return *std::move(placed);
   if (has_map)

@@ -241,7 +241,7 @@ std::string products_json(const AdjustmentReport& report, const AdjustmentProduc
 }
 
 Result<> write_products(const AdjustmentReport& report, const AdjustmentProducts& products,
-                        const std::filesystem::path& geopackage) {
+                        std::vector<VectorLayer> more, const std::filesystem::path& geopackage) {
   VectorLayer images{"images",
                      VectorKind::kPoint,
                      {{"file", VectorType::kText},
@@ -307,7 +307,12 @@ Result<> write_products(const AdjustmentReport& report, const AdjustmentProducts
     append(row.values, sigma(its.covariance_m2));
     control.rows.push_back(std::move(row));
   }
-  return write_geopackage(geopackage, {images, points, control}, products.wkt);
+  images.style = VectorStyle{{90, 90, 90}, 0.2, 1.5};
+  points.style = VectorStyle{{150, 150, 150}, 0.1, 0.6};
+  control.style = VectorStyle{{200, 40, 40}, 0.3, 2.5, 0, "name"};
+  std::vector<VectorLayer> layers{std::move(images), std::move(points), std::move(control)};
+  for (VectorLayer& layer : more) layers.push_back(std::move(layer));
+  return write_geopackage(geopackage, layers, products.wkt);
 }
 
 }  // namespace collinea

@@ -8,6 +8,7 @@
 
 #include "collinea/geometry/rotation.h"
 #include "collinea/report/adjustment_report.h"
+#include "collinea/vector/vector_layer.h"
 
 namespace collinea {
 
@@ -50,9 +51,9 @@ struct AdjustmentProducts {
 [[nodiscard]] std::string control_csv(const AdjustmentReport& report, const AdjustmentProducts& products);
 /// Images, points, control and cameras as one JSON object; points as rows under their column names.
 [[nodiscard]] std::string products_json(const AdjustmentReport& report, const AdjustmentProducts& products);
-/// Layers images, tie_points and control of a GeoPackage.
+/// Layers images, tie_points and control of a GeoPackage, with styles for QGIS, and `more` behind them.
 [[nodiscard]] Result<> write_products(const AdjustmentReport& report, const AdjustmentProducts& products,
-                                      const std::filesystem::path& geopackage);
+                                      std::vector<VectorLayer> more, const std::filesystem::path& geopackage);
 
 /// Error ellipses and height bars over the block: of points on the ground, and of projection centres.
 [[nodiscard]] std::string precision_section(const AdjustmentReport& report, const AdjustmentProducts& products);

@@ -84,7 +84,7 @@ TEST(AdjustmentProducts, TheGeoPackageHoldsThemAsGdalReadsIt) {
   const TestFolder folder;
   const AdjustmentReport report = report_of_one();
   const AdjustmentProducts products = products_of(report).value();
-  const auto written = write_products(report, products, folder / "a.gpkg");
+  const auto written = write_products(report, products, {}, folder / "a.gpkg");
   ASSERT_TRUE(written) << written.error().message;
   struct Close {
     void operator()(void* dataset) const { GDALClose(dataset); }

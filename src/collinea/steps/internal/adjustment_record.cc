@@ -7,6 +7,7 @@
 
 #include "collinea/epipolar/intersect.h"
 #include "collinea/orient/adjusted_findings.h"
+#include "collinea/quality/mark_check.h"
 #include "collinea/report/statistics.h"
 
 namespace collinea {
@@ -55,6 +56,8 @@ std::vector<ControlDifference> excluded_control(const Adjustment& adjustment, co
   measured.images = setup.images;
   measured.poses = adjustment.block.poses;
   measured.control_observations = setup.control_observations;
+  correct_marks(orientation.findings, measured);
+  remove_marks_outside(measured);
   std::vector<ControlDifference> excluded;
   for (const ControlId id : orientation.excluded_control) {
     const ControlPoint& point = adjustment.block.control.at(id);
