@@ -28,8 +28,10 @@ struct ExamineOptions {
 /// An adjustment with what is known of its quality. Covariances are by the given sigmas (times sigma_scale()^2 when
 /// these are only known up to scale); they, and with them all that follows, are empty when something is not determined.
 struct Examined : Adjusted {
-  std::map<ImageId, Matrix6d>
-      pose_covariance;  ///< [rotation (rad, in world), centre (m, in world)]: true rotation = rotation * rotation_by(e)
+  /// [rotation (rad, in world), centre (m, in world)]: true rotation = rotation * rotation_by(e). That is a turn of the
+  /// world before the camera, against which omega, phi and kappa count; see pose_covariances() and
+  /// covariance_of_angles().
+  std::map<ImageId, Matrix6d> pose_covariance;
   std::map<CameraId, MatrixPd> camera_covariance;  ///< of Camera::params, zero for those fixed
   std::vector<Eigen::Matrix3d> point_covariance;   ///< [m^2], parallel to points; when asked for
   std::vector<PointPrecision>

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "collinea/quality/internal/test_examine.h"
 
@@ -14,8 +15,8 @@ namespace {
 const Run kRun;
 
 // Of 300 blocks over gentle ground with positions good to 2 cm: what f, in error, has in common with the height of the
-// image that is named, and with its rotation about north, is what is reported, to four deviations (1 - rho^2) /
-// sqrt(n).
+// image that is named, with its rotation about north and with its phi, is what is reported, to four deviations (1 -
+// rho^2) / sqrt(n).
 TEST(CameraPoses, ErrorsGoTogetherAsStated) {
   constexpr int kBlocks = 300;
   const Block truth = testing::test_block({.rows = 2, .columns = 3, .points = 60, .relief_m = 3, .tilt_rad = 0.03});
@@ -25,24 +26,26 @@ TEST(CameraPoses, ErrorsGoTogetherAsStated) {
     ImageId image{};
     double stated = 0, both = 0, own = 0, other = 0;
   };
-  std::array<Pair, 2> pairs{{{5}, {1}}};
+  std::array<Pair, 3> pairs{{{5}, {1}, {7}}};
   for (std::uint64_t seed = 1; seed <= kBlocks; ++seed) {
     AdjustScope scope;
     const Block block = testing::measured_anew(truth, scope, seed);
     ExamineOptions options = testing::examined(Calibration::kFocal);
     const auto adjusted = examine(block, scope, options, kRun);
     ASSERT_TRUE(adjusted && !adjusted->undetermined);
-    ASSERT_EQ(adjusted->camera_pose_correlations.size(), 6u);
+    ASSERT_EQ(adjusted->camera_pose_correlations.size(), 9u);
     for (Pair& pair : pairs) {
       const CameraPoseCorrelation& one = adjusted->camera_pose_correlations[static_cast<std::size_t>(pair.of_pose)];
       ASSERT_EQ(one.of_pose, pair.of_pose);
       if (seed == 1) pair.image = one.image;
       ASSERT_EQ(one.image, pair.image) << seed;  // the geometry stays
       const Rigid3 &pose = adjusted->cam_from_world.at(pair.image), &exact = pose_of(truth, pair.image);
-      const double rotation = rotation_vector(pose.rotation.conjugate() * exact.rotation)[std::min(pair.of_pose, 2)];
+      const double rotation = rotation_vector(pose.rotation.conjugate() * exact.rotation).y();
       const double height = (centre_of(exact) - centre_of(pose)).z();
-      const double a = f - adjusted->cameras.begin()->second.params[Camera::kF],
-                   b = pair.of_pose == 5 ? height : rotation;
+      const double phi = omega_phi_kappa(exact.rotation).phi_deg - omega_phi_kappa(pose.rotation).phi_deg;
+      const double a = f - adjusted->cameras.begin()->second.params[Camera::kF], b = pair.of_pose == 5   ? height
+                                                                                     : pair.of_pose == 7 ? phi
+                                                                                                         : rotation;
       pair.stated += one.correlation / kBlocks;
       pair.both += a * b;
       pair.own += a * a;
@@ -56,6 +59,25 @@ TEST(CameraPoses, ErrorsGoTogetherAsStated) {
   }
 }
 
+// The error of a pose, true rotation = rotation * rotation_by(e), is one of omega, phi and kappa with the other sign.
+TEST(CameraPoses, AnglesFollowTheErrorOfAPoseAsStated) {
+  constexpr double kStep = 1e-6;
+  const auto radians = [](const OmegaPhiKappa& angles) -> Eigen::Vector3d {
+    return Eigen::Vector3d(angles.omega_deg, angles.phi_deg, angles.kappa_deg) * std::numbers::pi / 180;
+  };
+  for (const OmegaPhiKappa& angles : {OmegaPhiKappa{0, 0, 0}, OmegaPhiKappa{5, -20, 130}, OmegaPhiKappa{80, 10, -40}}) {
+    const Eigen::Quaterniond rotation = cam_from_world(angles);
+    const Matrix6d stated = angles_by_rotation(rotation);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Vector3d e = kStep * Eigen::Vector3d::Unit(axis);
+      const Eigen::Vector3d change =
+          radians(omega_phi_kappa(rotation * rotation_by(e))) - radians(omega_phi_kappa(rotation * rotation_by(-e)));
+      EXPECT_LT((change / (2 * kStep) - stated.block<3, 1>(0, axis)).norm(), 1e-8) << axis;
+    }
+    if (angles.omega_deg == 0) EXPECT_LT((stated.topLeftCorner<3, 3>() + Eigen::Matrix3d::Identity()).norm(), 1e-12);
+  }
+}
+
 // Level ground, camera looking down: the focal length goes with the heights.
 TEST(CameraPoses, LevelGroundTiesTheFocalLengthToTheHeight) {
   const Block block =
@@ -63,7 +85,7 @@ TEST(CameraPoses, LevelGroundTiesTheFocalLengthToTheHeight) {
   ExamineOptions options = testing::examined(Calibration::kBrown);
   const auto adjusted = examine(block, {}, options, kRun);
   ASSERT_TRUE(adjusted && !adjusted->undetermined);
-  EXPECT_EQ(adjusted->camera_pose_correlations.size(), 6 * 8u);
+  EXPECT_EQ(adjusted->camera_pose_correlations.size(), 9 * 8u);
   int with_height = 0;
   for (const CameraPoseCorrelation& one : adjusted->camera_pose_correlations) {
     if (one.param != Camera::kF || one.of_pose != 5) continue;
