@@ -64,7 +64,7 @@ class Examination {
     weaknesses_.look_at_images(out_.pose_covariance);
     out_.camera_covariance = camera_covariances(solved_, inverse);
     out_.point_precisions = point_precisions(solved_, free_network, inverse, run_);
-    out_.camera_pose_correlations = correlate_cameras_and_poses(solved_, out_.pose_covariance, inverse);
+    out_.camera_pose_correlations = correlate_cameras_and_poses(solved_, out_.pose_covariance, free_network, inverse);
   }
 
   void test_observations(const ControlFolds& folds, TileCholesky& inverse) {

@@ -36,7 +36,7 @@ struct Examined : Adjusted {
   std::vector<Eigen::Matrix3d> point_covariance;   ///< [m^2], parallel to points; when asked for
   std::vector<PointPrecision>
       point_precisions;  ///< at up to 2000 of the tie points with three rays or more, evenly taken
-  std::vector<CameraPoseCorrelation> camera_pose_correlations;  ///< where the datum is complete
+  std::vector<CameraPoseCorrelation> camera_pose_correlations;
   std::vector<Finding> inseparable;  ///< pairs of unknowns that hardly differ in what they do (correlation beyond 0.99)
   std::optional<Finding> undetermined;  ///< what is not determined; nothing when everything is
   Conditioning conditioning;

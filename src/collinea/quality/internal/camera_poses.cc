@@ -30,11 +30,10 @@ Stated correlations_of(const Eigen::Matrix<double, kOfPose, 1>& with, double sig
 
 std::vector<CameraPoseCorrelation> correlate_cameras_and_poses(
     const Solved& solved, const std::map<ImageId, Eigen::Matrix<double, 6, 6>>& pose_covariance,
-    bundle::TileCholesky& inverse) {
+    const bundle::FreeNetwork& free_network, bundle::TileCholesky& inverse) {
   const bundle::Problem& problem = solved.problem();
   const bundle::State& state = solved.state();
   std::vector<CameraPoseCorrelation> correlations;
-  if (problem.rank_defect > 0) return correlations;
   for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
     const ProblemCamera& camera = problem.cameras[static_cast<std::size_t>(c)];
     for (std::size_t k = 0; k < camera.free.size(); ++k) {
@@ -47,6 +46,7 @@ std::vector<CameraPoseCorrelation> correlate_cameras_and_poses(
         Eigen::Matrix<double, kOfPose, 1> with;
         for (int i = 0; i < kOfPose; ++i) with[i] = inverse.at(row, kOfPose * pose + i);
         with.head<3>() = state.rotations[static_cast<std::size_t>(pose)].conjugate() * Eigen::Vector3d(with.head<3>());
+        with = free_network.with_pose(with, row, pose);
         const Stated stated = correlations_of(with, std::sqrt(inverse.at(row, row)), pose_covariance.at(image.id),
                                               state.rotations[static_cast<std::size_t>(pose)]);
         for (int i = 0; i < kStated; ++i) {

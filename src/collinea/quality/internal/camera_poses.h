@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "collinea/adjust/solved.h"
+#include "collinea/quality/internal/free_network.h"
 
 namespace collinea {
 
@@ -21,10 +22,11 @@ struct CameraPoseCorrelation {
   double correlation = 0;
 };
 
-/// Nine of each free parameter of each camera, where the datum is complete: where it is chosen, so are correlations. By
-/// the selected inverse and the covariances of the poses (pose_covariances).
+/// Nine of each free parameter of each camera, by the selected inverse and the covariances of the poses
+/// (pose_covariances). Of a free network they are in the datum of these, that of all tie points: a correlation with a
+/// pose depends on what positions and attitudes refer to.
 [[nodiscard]] std::vector<CameraPoseCorrelation> correlate_cameras_and_poses(
     const Solved& solved, const std::map<ImageId, Eigen::Matrix<double, 6, 6>>& pose_covariance,
-    bundle::TileCholesky& inverse);
+    const bundle::FreeNetwork& free_network, bundle::TileCholesky& inverse);
 
 }  // namespace collinea

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "collinea/quality/internal/test_examine.h"
 
@@ -95,13 +96,63 @@ TEST(CameraPoses, LevelGroundTiesTheFocalLengthToTheHeight) {
   EXPECT_EQ(with_height, 1);
 }
 
-// In a free network they depend on the datum that is chosen.
-TEST(CameraPoses, NothingIsStatedOfAFreeNetwork) {
-  const Block block = testing::test_block({.points = 100, .sigma_px = 0.5});
-  ExamineOptions options = testing::examined(Calibration::kFocalRadial);
-  const auto adjusted = examine(block, {}, options, kRun);
-  ASSERT_TRUE(adjusted && !adjusted->undetermined);
-  EXPECT_TRUE(adjusted->camera_pose_correlations.empty());
+// New measurements of a block that nothing fixes; the focal length is known to 50 px beforehand.
+Block free_block_measured(Block block, AdjustScope& scope, std::uint64_t seed) {
+  block = testing::measured_anew(std::move(block), scope, seed);
+  for (auto& [id, image] : block.images) image.position.reset();
+  return block;
+}
+
+// The motion of the whole that fits the errors of the tie points best: shift, turns, log scale about the origin.
+Eigen::Matrix<double, 7, 1> motion_of_errors(const Examined& adjusted, const Block& truth) {
+  Eigen::Matrix<double, 7, 7> normals = Eigen::Matrix<double, 7, 7>::Zero();
+  Eigen::Matrix<double, 7, 1> right = Eigen::Matrix<double, 7, 1>::Zero();
+  for (const auto& [id, position] : adjusted.points) {
+    Eigen::Matrix<double, 3, 7> g;
+    g << Eigen::Matrix3d::Identity(), -skew(position), position;
+    normals += g.transpose() * g;
+    right += g.transpose() * (truth.points.at(id).position_in_world - position);
+  }
+  return normals.inverse() * right;
+}
+
+// In a free network they are of the datum of all tie points: once the motion of these is taken off, errors of 300
+// blocks go together as stated.
+TEST(CameraPoses, OfAFreeNetworkErrorsGoTogetherAsStatedInTheDatumOfItsTiePoints) {
+  constexpr int kBlocks = 300;
+  const Block truth = testing::test_block({.rows = 2, .columns = 3, .points = 60, .relief_m = 3, .tilt_rad = 0.03});
+  const double f = truth.cameras.begin()->second.params[Camera::kF];
+  std::array<ImageId, 6> images{};
+  std::array<double, 6> stated{}, both{}, other{};
+  double own = 0;
+  for (std::uint64_t seed = 1; seed <= kBlocks; ++seed) {
+    AdjustScope scope;
+    const Block block = free_block_measured(truth, scope, seed);
+    const auto adjusted = examine(block, scope, testing::examined(Calibration::kFocal), kRun);
+    ASSERT_TRUE(adjusted && !adjusted->undetermined);
+    ASSERT_EQ(adjusted->rank_defect, 7);
+    ASSERT_EQ(adjusted->camera_pose_correlations.size(), 9u);
+    const Eigen::Matrix<double, 7, 1> whole = motion_of_errors(*adjusted, truth);
+    const double a = f - adjusted->cameras.begin()->second.params[Camera::kF];
+    own += a * a;
+    for (std::size_t k = 0; k < 6; ++k) {
+      const CameraPoseCorrelation& one = adjusted->camera_pose_correlations[k];
+      if (seed == 1) images[k] = one.image;
+      ASSERT_EQ(one.image, images[k]) << seed << " " << k;
+      const Rigid3 &pose = adjusted->cam_from_world.at(one.image), &exact = pose_of(truth, one.image);
+      const Eigen::Vector3d centre = centre_of(pose);
+      Eigen::Matrix<double, 6, 1> error;
+      error << rotation_vector(pose.rotation.conjugate() * exact.rotation) + whole.segment<3>(3),
+          centre_of(exact) - centre - whole.head<3>() - whole.segment<3>(3).cross(centre) - whole[6] * centre;
+      stated[k] += one.correlation / kBlocks;
+      both[k] += a * error[static_cast<Eigen::Index>(k)];
+      other[k] += std::pow(error[static_cast<Eigen::Index>(k)], 2);
+    }
+  }
+  for (std::size_t k = 0; k < 6; ++k)
+    EXPECT_NEAR(both[k] / std::sqrt(own * other[k]), stated[k], 4 * (1 - stated[k] * stated[k]) / std::sqrt(kBlocks))
+        << k;
+  EXPECT_GT(std::abs(stated[5]), 0.9);  // over gentle ground f and the heights of the images are one
 }
 
 }  // namespace

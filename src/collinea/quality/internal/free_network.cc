@@ -13,6 +13,14 @@ Eigen::MatrixXd FreeNetwork::of_position(const Part& part, const Eigen::Vector3d
   return part.size * motion_of(position, part.centre, part.size) * part.motions;
 }
 
+// Of [rotation in the world, centre].
+Eigen::MatrixXd FreeNetwork::of_image(const Part& part, int pose) const {
+  Eigen::MatrixXd moved(6, part.motions.cols());
+  moved.topRows(3) = -part.motions.middleRows(3, 3);
+  moved.bottomRows(3) = of_position(part, centre_in(state_, static_cast<std::size_t>(pose)));
+  return moved;
+}
+
 Eigen::Vector3d FreeNetwork::position_of(std::size_t point) const {
   return Eigen::Map<const Eigen::Vector3d>(&state_.points[3 * point]);
 }
@@ -128,12 +136,16 @@ void FreeNetwork::transform(const Part& part, const Eigen::MatrixXd& moved, cons
 Matrix6d FreeNetwork::of_pose(const Matrix6d& covariance, int pose, const Matrix6d& to_world) const {
   const Part* part = part_of(pose);
   if (!part) return covariance;
-  Eigen::MatrixXd moved(6, part->motions.cols());
-  moved.topRows(3) = -part->motions.middleRows(3, 3);
-  moved.bottomRows(3) = of_position(*part, centre_in(state_, static_cast<std::size_t>(pose)));
   Eigen::MatrixXd transformed = covariance;
-  transform(*part, moved, to_world * part->with_motions.middleRows(6 * pose, 6), transformed);
+  transform(*part, of_image(*part, pose), to_world * part->with_motions.middleRows(6 * pose, 6), transformed);
   return transformed;
+}
+
+// C - H M G': what moves the whole leaves the parameter as it is.
+Vector6d FreeNetwork::with_pose(const Vector6d& covariance, int row, int pose) const {
+  const Part* part = part_of(pose);
+  if (!part) return covariance;
+  return covariance - of_image(*part, pose) * (part->inverse * part->with_motions.row(row).transpose());
 }
 
 Eigen::Matrix3d FreeNetwork::of_point(const Eigen::Matrix3d& covariance, std::size_t point) const {

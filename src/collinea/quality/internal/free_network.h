@@ -10,6 +10,7 @@
 namespace collinea {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 namespace bundle {
 
@@ -25,6 +26,9 @@ class FreeNetwork {
 
   /// Covariance of [rotation in the world, centre]; `to_world` turns the internal rotation there.
   [[nodiscard]] Matrix6d of_pose(const Matrix6d& covariance, int pose, const Matrix6d& to_world) const;
+  /// Covariance of one of the global parameters that no motion of the whole changes (of a camera), `row` of the reduced
+  /// unknowns, with [rotation in the world, centre]. Its own variance is the same in every datum.
+  [[nodiscard]] Vector6d with_pose(const Vector6d& covariance, int row, int pose) const;
   /// Covariance of a tie point or a control point.
   [[nodiscard]] Eigen::Matrix3d of_point(const Eigen::Matrix3d& covariance, std::size_t point) const;
   /// Covariance of a point that takes no part, by its rays in these poses (-1: an exact image).
@@ -46,6 +50,7 @@ class FreeNetwork {
     Eigen::MatrixXd variance;      // of the motion of the points
   };
   [[nodiscard]] Eigen::MatrixXd of_position(const Part& part, const Eigen::Vector3d& position) const;
+  [[nodiscard]] Eigen::MatrixXd of_image(const Part& part, int pose) const;
   [[nodiscard]] Eigen::Vector3d position_of(std::size_t point) const;
   [[nodiscard]] const Part* part_numbered(int number) const;
   [[nodiscard]] const Part* part_of(int pose) const;
