@@ -42,7 +42,7 @@ struct InstrumentOptions {
     using O = InstrumentOptions;
     visit(Field{"lever_arm", &O::lever_arm, "m",
                 "antenna from the projection centre in the camera, right,down,forward: x,y,z; or estimate, or none; or "
-                "one for each camera: \"NAME:x,y,z; NAME:estimate\""});
+                "one for each camera: NAME:x,y,z; NAME:estimate"});
     visit(Field{"position_shift", &O::position_shift, "",
                 "shift that the positions have in common, to be found with control"});
     visit(Field{"position_drift", &O::position_drift, "", "and a drift in time"});

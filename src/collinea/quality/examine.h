@@ -8,6 +8,7 @@
 #include "collinea/adjust/bundle.h"
 #include "collinea/base/options.h"
 #include "collinea/quality/conditioning.h"
+#include "collinea/quality/datum_points.h"
 #include "collinea/quality/internal/camera_poses.h"
 #include "collinea/quality/internal/covariance.h"
 #include "collinea/quality/internal/point_precision.h"
@@ -23,6 +24,7 @@ struct ExamineOptions {
   bool point_covariances = false;
   bool reliability = false;  ///< test every observation for a gross error, and say what would be found
   TestOptions test;          ///< how
+  DatumPoints datum;         ///< of a free network; none: all tie points
 };
 
 /// An adjustment with what is known of its quality. Covariances are by the given sigmas (times sigma_scale()^2 when
@@ -50,6 +52,7 @@ struct Examined : Adjusted {
 ///
 /// Rank and datum: covariances of poses and points of a block that nothing fixes refer to all its tie points. Where
 /// something else is undetermined, `undetermined` names it and only weaknesses that need no covariance are looked for.
+/// ExamineOptions::datum takes other points in their place; where the datum is complete it changes nothing.
 ///
 /// Example:
 ///
@@ -59,7 +62,8 @@ struct Examined : Adjusted {
 ///
 /// Tests of single observations ask for AdjustOptions::settle_points. Cost: one factor and its selected inverse, at
 /// most some forty solutions with that factor, three for each control point, and a small system for each tie point.
-/// Errors: kBadInput (options), kCancelled.
+/// Errors: kBadInput (options), kIllPosed (points chosen for the datum that do not tell position, attitude and scale of
+/// what is free of these), kCancelled.
 [[nodiscard]] Result<Examined> examine(Solved solved, const ExamineOptions& options, const Run& run);
 
 /// Adjusts and examines. Errors: those of adjust(), and of the above.

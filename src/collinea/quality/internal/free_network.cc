@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include "collinea/adjust/block_motion.h"
 
@@ -44,6 +45,9 @@ const FreeNetwork::Part* FreeNetwork::part_with(std::size_t point) const {
 bool FreeNetwork::in_datum(const Part& part, std::size_t point) const {
   if (part_with(point) != &part) return false;
   const ProblemPoint& its = problem_.point(point);
+  if (!chosen_.empty())
+    return its.first_free < problem_.end_ray(point) &&
+           (its.control < 0 ? chosen_.ties.contains(PointId{its.id}) : chosen_.control.contains(ControlId{its.id}));
   return its.control < 0 || (part.by_control && its.first_free < problem_.end_ray(point));
 }
 
@@ -63,8 +67,8 @@ bool FreeNetwork::find_inverse(Part& part) const {
   return true;
 }
 
-FreeNetwork::FreeNetwork(const Solved& solved, const TileCholesky& factor)
-    : problem_(solved.problem()), state_(solved.state()) {
+FreeNetwork::FreeNetwork(const Solved& solved, const TileCholesky& factor, DatumPoints chosen)
+    : problem_(solved.problem()), state_(solved.state()), chosen_(std::move(chosen)) {
   std::map<int, std::vector<const DatumConstraint*>> defects;
   for (const DatumConstraint& unseen : problem_.datum) defects[unseen.part].push_back(&unseen);
   for (const auto& [number, unseen] : defects) {
@@ -84,6 +88,7 @@ FreeNetwork::FreeNetwork(const Solved& solved, const TileCholesky& factor)
   std::erase_if(parts_, [&](const Part& part) {
     return std::find(without.begin(), without.end(), part.number) != without.end();
   });
+  parts_without_ = without.size();
   for (Part& part : parts_) add_points(part, factor);
 }
 

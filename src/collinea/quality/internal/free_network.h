@@ -5,6 +5,7 @@
 
 #include "collinea/adjust/solved.h"
 #include "collinea/math/tile_cholesky.h"
+#include "collinea/quality/datum_points.h"
 #include "collinea/quality/internal/point_cofactor.h"
 
 namespace collinea {
@@ -21,8 +22,12 @@ namespace bundle {
 /// of the images.
 class FreeNetwork {
  public:
-  /// At most seven solutions for each unconnected part.
-  FreeNetwork(const Solved& solved, const TileCholesky& factor);
+  /// At most seven solutions for each unconnected part. `chosen`: the points of the datum in the place of all tie
+  /// points; a part whose motions these do not tell stays in the datum of the images.
+  FreeNetwork(const Solved& solved, const TileCholesky& factor, DatumPoints chosen = {});
+
+  /// Every part that something leaves free has the datum of points: of those chosen, or of its own.
+  [[nodiscard]] bool has_datum_of_points() const { return parts_without_ == 0; }
 
   /// Covariance of [rotation in the world, centre]; `to_world` turns the internal rotation there.
   [[nodiscard]] Matrix6d of_pose(const Matrix6d& covariance, int pose, const Matrix6d& to_world) const;
@@ -64,7 +69,9 @@ class FreeNetwork {
 
   const Problem& problem_;
   const State& state_;
+  DatumPoints chosen_;
   std::vector<Part> parts_;
+  std::size_t parts_without_ = 0;
 };
 
 }  // namespace bundle
