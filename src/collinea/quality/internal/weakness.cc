@@ -49,8 +49,8 @@ std::vector<Figure> figures_of_axis(const Eigen::Vector3d& axis) {
 
 std::vector<Subject> subjects_of(const std::vector<ImageId>& images) { return {images.begin(), images.end()}; }
 
-// Standard deviations of a point by its rays alone, images being exact; 0 where they do not fix it.
-Eigen::Vector3d sigmas_by_rays(const Problem& problem, const State& state, std::size_t p) {
+// Standard deviations of a point by its rays alone, images being exact; nothing where they do not fix it.
+std::optional<Eigen::Vector3d> sigmas_by_rays(const Problem& problem, const State& state, std::size_t p) {
   PointSystem system(problem);
   for (std::uint32_t r = problem.point(p).first_ray; r < problem.end_ray(p); ++r) {
     LinearRay linear;
@@ -58,9 +58,9 @@ Eigen::Vector3d sigmas_by_rays(const Problem& problem, const State& state, std::
     system.add(linear, static_cast<int>(problem.rays[r].image), state);
   }
   system.close(false, nullptr, &state.points[3 * p]);
-  Eigen::Vector3d sigmas = Eigen::Vector3d::Zero();
-  for (int axis = 0; axis < 3 && system.determined(); ++axis)
-    sigmas[axis] = std::sqrt(system.solve_own(Eigen::Vector3d::Unit(axis))[axis]);
+  if (problem.point(p).first_ray == problem.end_ray(p) || !system.determined()) return {};
+  Eigen::Vector3d sigmas;
+  for (int axis = 0; axis < 3; ++axis) sigmas[axis] = std::sqrt(system.solve_own(Eigen::Vector3d::Unit(axis))[axis]);
   return sigmas;
 }
 
@@ -358,7 +358,7 @@ void WeaknessFinder::look_at_correlations(const TileCholesky& factor) {
 }
 
 // The median standard deviation of what fixes plan or height: control, where there are three and more, else positions.
-// Control is known as it is given and as the images measure it.
+// Control is known as it is given and as the images measure it; what they do not measure fixes nothing of them.
 double WeaknessFinder::reference_sigma(bool height) const {
   std::vector<double> control, positions;
   const auto sigma_of = [&](const auto& inverse_sigma) {
@@ -368,9 +368,10 @@ double WeaknessFinder::reference_sigma(bool height) const {
   for (std::size_t p = problem_.first_control; p < problem_.point_count(); ++p) {
     if (problem_.point(p).control < 0) continue;
     const double given = sigma_of(problem_.control[problem_.point(p).control].inverse_sigma);
-    if (!(given > 0)) continue;
-    const Eigen::Vector3d measured = sigma_scale(adjusted_) * sigmas_by_rays(problem_, state_, p);
-    control.push_back(std::hypot(given, height ? measured.z() : measured.head<2>().maxCoeff()));
+    const std::optional<Eigen::Vector3d> measured = sigmas_by_rays(problem_, state_, p);
+    if (!(given > 0) || !measured) continue;
+    control.push_back(
+        std::hypot(given, sigma_scale(adjusted_) * (height ? measured->z() : measured->head<2>().maxCoeff())));
   }
   for (const GivenPosition& one : problem_.positions)
     if (const double given = sigma_of(one.inverse_sigma); given > 0) positions.push_back(given);

@@ -170,14 +170,16 @@ TEST(Weakness, CentresThatGoWithTheirTiltsAreNoMotionOfTheBlock) {
     }
 }
 
-// The same block, its plan held in one corner and its heights everywhere.
+// The same block, its plan held in one corner and its heights everywhere; all control is at one height, so that these
+// tell nothing of the scale.
 TEST(Weakness, PlanHeldInACornerLeavesScaleAndAzimuthWeak) {
   Block block = narrow_view(2, 1);
   int corner = 0;
   for (auto& [id, control] : block.control) {
     control.role = ControlRole::kControl;
+    control.position_in_world.z() = 0;
     if (corner < 4) {
-      control.position_in_world.head<2>() = Eigen::Vector2d(5 + corner % 2, 3 + corner / 2);
+      control.position_in_world.head<2>() = Eigen::Vector2d(5 + 0.2 * (corner % 2), 3 + 0.2 * (corner / 2));
       ++corner;
     } else {
       control.sigma_m.head<2>().setConstant(kInfinity);
