@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include "collinea/adjust/calibration.h"
 #include "collinea/base/options.h"
 #include "collinea/math/robust.h"
@@ -9,11 +11,15 @@ namespace collinea {
 
 /// How a bundle adjustment is done. Observations are whitened by their sigmas; all costs are sums of squares in sigmas.
 struct AdjustOptions {
+  /// Three coordinates lie farther from the truth than two: the loss of a position sets in so many times later than
+  /// that of a ray.
+  static constexpr double kPositionLossScale = 1.5;
+
   Calibration calibration = Calibration::kFocalRadial;
   Loss::Kind loss = Loss::kHuber;
   double loss_scale_sigmas = 2;
   Loss::Kind position_loss = Loss::kHuber;
-  double position_loss_scale_sigmas = 3;
+  std::optional<double> position_loss_scale_sigmas;  ///< nothing: one and a half times that of tie points
   int max_iterations = 50;
   double first_damping = 1e-4;
   double relative_cost_change = 1e-7;
@@ -33,7 +39,8 @@ struct AdjustOptions {
         Field{"loss_scale_sigmas", &O::loss_scale_sigmas, "sigma", "residual from which the loss sets in", 0.01, 1e6});
     visit(Field{"position_loss", &O::position_loss, "", "robust loss of GNSS positions"});
     visit(Field{"position_loss_scale_sigmas", &O::position_loss_scale_sigmas, "sigma",
-                "distance from which the loss of positions sets in", 0.01, 1e6});
+                "distance from which the loss of positions sets in", 0.01, 1e6}
+              .or_auto("one and a half times loss_scale_sigmas"));
     visit(Field{"max_iterations", &O::max_iterations, "1", "upper bound of linearisations", 1, 10000});
     visit(Field{"first_damping", &O::first_damping, "1",
                 "damping of the first step, over each diagonal element of the normal equations; less where the start "

@@ -264,6 +264,24 @@ TEST(Adjust, SaysWhatIsIllPosed) {
   EXPECT_EQ(code(adjust(test_block(), {}, {}, stopped)), Errc::kCancelled);
 }
 
+// One position is 20 cm off, ten of its sigmas: Huber's loss sets in at one and a half times what is asked for rays.
+TEST(Adjust, TheScaleOfTheLossReachesPositions) {
+  Block block = test_block({.sigma_px = 0.5, .position_sigma_m = 0.02});
+  const ImageId wrong{14};
+  block.images.at(wrong).position->position_in_world.x() += 0.2;
+  for (const double scale : {1.0, 2.0, 1000.0}) {
+    AdjustOptions options{.loss_scale_sigmas = scale};
+    const auto adjusted = adjust(block, {}, options, kRun);
+    ASSERT_TRUE(adjusted);
+    for (const auto& one : adjusted->positions) {
+      if (one.image != wrong) continue;
+      const double sigmas = one.difference_m.norm() / 0.02;
+      EXPECT_GT(sigmas, 5) << scale;
+      EXPECT_NEAR(one.weight, std::min(1.0, 1.5 * scale / sigmas), 1e-6) << scale;
+    }
+  }
+}
+
 TEST(Adjust, ThousandsOfCamerasAreRefusedInWords) {
   Block block = test_block({.rows = 20, .columns = 51, .points = 30, .spacing_m = 1});
   std::uint32_t number = 100;

@@ -18,7 +18,9 @@ Result<ProblemAndStart> gather(const Block& block, const AdjustScope& scope, con
   const ImageOrder order = order_images(block, participants);
   COLLINEA_TRY(ProblemAndStart gathered, lay_out(block, scope, options, std::move(participants), order));
   gathered.problem.tie_loss = {options.loss, options.loss_scale_sigmas, 1};
-  gathered.problem.position_loss = {options.position_loss, options.position_loss_scale_sigmas, 1};
+  gathered.problem.position_loss = {
+      options.position_loss,
+      options.position_loss_scale_sigmas.value_or(AdjustOptions::kPositionLossScale * options.loss_scale_sigmas), 1};
   find_datum(gathered.problem, gathered.start);
   return gathered;
 }

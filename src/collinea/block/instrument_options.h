@@ -21,8 +21,10 @@ inline constexpr Word<LeverArmWord> kLeverArmWords[] = {{LeverArmWord::kNone, "n
                                                         {LeverArmWord::kEstimate, "estimate"}};
 [[nodiscard]] constexpr std::span<const Word<LeverArmWord>> words(LeverArmWord) { return kLeverArmWords; }
 
-/// The antenna from the projection centre, in the camera: right, down, forward [m]. A text that is neither is refused
-/// by check_instruments(), but for an empty one, which is none.
+/// The antenna from the projection centre, in the camera: right, down, forward [m]. A text is one for each camera, of
+/// parts "NAME:x,y,z" (or estimate, or none) between semicolons; a part without a name is for cameras that no other
+/// names, and without such a part these have none. Other texts are refused by check_instruments(), but for an empty
+/// one, which is none.
 using LeverArmOption = WordOr<LeverArmWord, ThreeNumbers, std::string>;
 
 /// What receivers and inertial systems measure, and what of their mounting is to be found.
@@ -39,7 +41,8 @@ struct InstrumentOptions {
   static void describe(Visit&& visit) {
     using O = InstrumentOptions;
     visit(Field{"lever_arm", &O::lever_arm, "m",
-                "antenna from the projection centre in the camera, right,down,forward: x,y,z; or estimate, or none"});
+                "antenna from the projection centre in the camera, right,down,forward: x,y,z; or estimate, or none; or "
+                "one for each camera: NAME:x,y,z; NAME:estimate"});
     visit(Field{"position_shift", &O::position_shift, "",
                 "shift that the positions have in common, to be found with control"});
     visit(Field{"position_drift", &O::position_drift, "", "and a drift in time"});

@@ -64,4 +64,13 @@ Eigen::Quaterniond cam_from_world(const OmegaPhiKappa& angles) {
   return (kCamFromImage * ground_from_image.conjugate()).normalized();
 }
 
+Eigen::Matrix3d angles_by_rotation_of_camera(const OmegaPhiKappa& angles) {
+  const double omega = angles.omega_deg / kDegreesPerRadian, phi = angles.phi_deg / kDegreesPerRadian;
+  Eigen::Matrix3d axes;                                      // about which omega, phi and kappa turn, as columns
+  axes << 1, 0, std::sin(phi),                               //
+      0, std::cos(omega), -std::sin(omega) * std::cos(phi),  //
+      0, std::sin(omega), std::cos(omega) * std::cos(phi);
+  return axes.inverse();
+}
+
 }  // namespace collinea

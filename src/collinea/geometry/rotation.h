@@ -26,4 +26,9 @@ struct OmegaPhiKappa {
 [[nodiscard]] OmegaPhiKappa omega_phi_kappa(const Eigen::Quaterniond& cam_from_world);
 [[nodiscard]] Eigen::Quaterniond cam_from_world(const OmegaPhiKappa& angles);
 
+/// The derivatives of omega, phi, kappa (rows) by small turns of the camera about x, y, z of the ground (columns),
+/// right handed: ground_from_image becomes rotation_by(turn) * ground_from_image. Near a nadir image it is the unit
+/// matrix; it has no bound where the camera looks along the horizon to the east or west (phi 90 degrees).
+[[nodiscard]] Eigen::Matrix3d angles_by_rotation_of_camera(const OmegaPhiKappa& angles);
+
 }  // namespace collinea

@@ -37,6 +37,25 @@ TEST(Rotation, OmegaPhiKappaThereAndBack) {
   EXPECT_NEAR(back.kappa_deg, 101, 1e-10);
 }
 
+// A camera that is turned about an axis of the ground: its angles change as stated.
+TEST(Rotation, AnglesFollowATurnOfTheCamera) {
+  constexpr double kStep = 1e-6, kDegrees = 57.295779513082323;
+  for (const OmegaPhiKappa& angles :
+       {OmegaPhiKappa{0, 0, 0}, OmegaPhiKappa{12, -7, 101}, OmegaPhiKappa{-95, 60, -30}}) {
+    const Eigen::Matrix3d stated = angles_by_rotation_of_camera(angles);
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto turned = [&](double by) {  // world_from_cam from the left
+        const Eigen::Quaterniond turn = rotation_by(by * Eigen::Vector3d::Unit(axis));
+        return omega_phi_kappa((turn * cam_from_world(angles).conjugate()).conjugate());
+      };
+      const OmegaPhiKappa before = turned(-kStep), after = turned(kStep);
+      const Eigen::Vector3d change(after.omega_deg - before.omega_deg, after.phi_deg - before.phi_deg,
+                                   after.kappa_deg - before.kappa_deg);
+      EXPECT_LT((change / kDegrees / (2 * kStep) - stated.col(axis)).norm(), 1e-8) << axis;
+    }
+  }
+}
+
 // Published example: Mikhail, Bethel, McGlone use m = Rz(kappa) Ry(phi) Rx(omega) for image_from_ground with
 // m(2,0) = sin(phi) (third row, first column), the transpose of ours.
 TEST(Rotation, SineOfPhiStandsWhereTheTextbooksPutIt) {

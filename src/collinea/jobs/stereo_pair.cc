@@ -32,7 +32,8 @@ constexpr int kPartOfWidth =
 // Everything matching needs of a pair.
 struct Prepared {
   GreyImage left, right;
-  ColourImage colours;  // of the left image
+  ColourImage colours;        // of the left image
+  ColourImage right_colours;  // where the images are resampled
   std::optional<EpipolarPair> cameras;
   std::optional<DisparityRange> from_points;
   bool resampled = false;
@@ -99,10 +100,12 @@ Result<Prepared> oriented_pair(const Block& block, const Side& left, const Side&
   COLLINEA_TRY(const EpipolarPair cameras,
                epipolar_pair(left.camera, pose_of(block, left.image), right.camera, pose_of(block, right.image)));
   COLLINEA_TRY(const ColourImage left_image, read_colour(left.file, left.shrink));
+  COLLINEA_TRY(const ColourImage right_image, read_colour(right.file, right.shrink));
   COLLINEA_TRY(const GreyImage left_grey, read_grey(left.file, left.shrink));
   COLLINEA_TRY(const GreyImage right_grey, read_grey(right.file, right.shrink));
   const RayBend &left_bend = block.images.at(left.image).bend, &right_bend = block.images.at(right.image).bend;
   ready.colours = resampled(left_image, left.camera, cameras.left_from_image, cameras.left, run, left_bend);
+  ready.right_colours = resampled(right_image, right.camera, cameras.right_from_image, cameras.right, run, right_bend);
   ready.left = resampled(left_grey, left.camera, cameras.left_from_image, cameras.left, run, left_bend);
   ready.right = resampled(right_grey, right.camera, cameras.right_from_image, cameras.right, run, right_bend);
   const auto points = points_seen_by_both(block, left.image, right.image);
@@ -221,7 +224,7 @@ Result<StereoReport> match_stereo(const std::string& left, const std::string& ri
   const auto written = [&]() -> Result<> {
     if (ready.resampled) {
       COLLINEA_TRY(write_png(folder / "left.png", ready.colours));
-      COLLINEA_TRY(write_png(folder / "right.png", ready.right));
+      COLLINEA_TRY(write_png(folder / "right.png", ready.right_colours));
     }
     COLLINEA_TRY(write_float_tiff(folder / "disparity.tif", map.disparity));
     COLLINEA_TRY(write_float_tiff(folder / "sigma.tif", map.sigma));

@@ -113,6 +113,12 @@ TEST(StereoPair, ImagesOfAProjectAreFoundByName) {
   ASSERT_TRUE(done) << done.error().message;
   expect_the_wall(photos.folder / "out/cloud.ply");
   EXPECT_TRUE(is_there(photos.folder / "out/right.png"));
+  for (const char* side : {"left.png", "right.png"}) {  // PNG: red, green, blue
+    constexpr std::size_t kColourType = 25;
+    const auto bytes = read_file(photos.folder / "out" / side);
+    ASSERT_TRUE(bytes && bytes->size() > kColourType) << side;
+    EXPECT_EQ((*bytes)[kColourType], 2) << side;
+  }
 }
 
 TEST(StereoPair, AModelOfAnotherProgramWillDo) {

@@ -31,7 +31,8 @@ struct InstrumentChanges {
   static void describe(Visit&& visit) {
     using O = InstrumentChanges;
     visit(Field{"lever_arm", &O::lever_arm, "m",
-                "antenna from the projection centre in the camera, right,down,forward: x,y,z; or estimate, or none"});
+                "antenna from the projection centre in the camera, right,down,forward: x,y,z; or estimate, or none; or one for "
+                "each camera: NAME:x,y,z; NAME:estimate"});
     visit(Field{"position_shift", &O::position_shift, "",
                 "shift that the positions have in common, to be found with control"}
               .or_auto("as orient, or the file, has it"));

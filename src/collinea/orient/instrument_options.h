@@ -12,7 +12,8 @@ namespace collinea {
 /// Something of the positions is to be found or taken into account.
 [[nodiscard]] bool is_of_positions(const InstrumentOptions& asked);
 
-/// Whether the words are among those there are, and the block has what they are about: positions, times, attitudes.
+/// Whether the words are among those there are, and the block has what they are about: positions, times, attitudes,
+/// cameras of that name.
 [[nodiscard]] Result<> check_instruments(const InstrumentOptions& asked);
 [[nodiscard]] Result<> check_instruments(const InstrumentOptions& asked, const Block& block);
 

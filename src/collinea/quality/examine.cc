@@ -21,15 +21,17 @@ class Examination {
   Examination(Solved& solved, const ExamineOptions& options, const Run& run, Examined& out)
       : solved_(solved), options_(options), run_(run), out_(out), weaknesses_(solved, out) {}
 
-  void examine() {
+  [[nodiscard]] Result<> examine() {
     weaknesses_.look_at_observations();
     auto [factor, failed_row] = solved_.factor(run_);
-    if (run_.stopped()) return;
-    if (factor)
-      examine_determined(*factor);
-    else
+    if (run_.stopped()) return {};
+    if (factor) {
+      COLLINEA_TRY(examine_determined(*factor));
+    } else {
       examine_undetermined(failed_row);
+    }
     out_.weaknesses = weaknesses_.take();
+    return {};
   }
 
  private:
@@ -39,20 +41,26 @@ class Examination {
     weaknesses_.look_at_loose_images(solved_, run_);
   }
 
-  void examine_determined(TileCholesky& factor) {
+  [[nodiscard]] Result<> examine_determined(TileCholesky& factor) {
     out_.conditioning = conditioning_of(solved_, factor, run_);
     weaknesses_.look_at_correlations(factor);
-    const FreeNetwork free_network(solved_, factor);
+    const FreeNetwork free_network(solved_, factor, options_.datum);
+    if (!options_.datum.empty() && !free_network.has_datum_of_points())
+      return fail(
+          Errc::kIllPosed,
+          "the points chosen for the datum do not tell position, attitude and scale of what nothing fixes: three "
+          "off a line do, in each part of the block");
     bundle::predict_check_points(solved_, factor, free_network, run_, out_);
     std::optional<ControlFolds> folds;
     if (options_.reliability) folds.emplace(solved_, factor, run_);
-    if (run_.stopped()) return;
+    if (run_.stopped()) return {};
     factor.invert(run_);
-    if (run_.stopped()) return;
+    if (run_.stopped()) return {};
     take_covariances(free_network, factor);
     if (options_.reliability) test_observations(*folds, factor);
     if (options_.point_covariances && !run_.stopped())
       out_.point_covariance = point_covariances(solved_, out_.points, free_network, factor, run_);
+    return {};
   }
 
   void take_covariances(const FreeNetwork& free_network, TileCholesky& inverse) {
@@ -64,7 +72,7 @@ class Examination {
     weaknesses_.look_at_images(out_.pose_covariance);
     out_.camera_covariance = camera_covariances(solved_, inverse);
     out_.point_precisions = point_precisions(solved_, free_network, inverse, run_);
-    out_.camera_pose_correlations = correlate_cameras_and_poses(solved_, out_.pose_covariance, inverse);
+    out_.camera_pose_correlations = correlate_cameras_and_poses(solved_, out_.pose_covariance, free_network, inverse);
   }
 
   void test_observations(const ControlFolds& folds, TileCholesky& inverse) {
@@ -87,7 +95,7 @@ Result<Examined> examine(Solved solved, const ExamineOptions& options, const Run
   if (Result<> valid = validate(options.test); !valid)
     return tl::unexpected(std::move(valid).error().within("adjustment"));
   Examined examined{solved.take_estimate()};
-  Examination(solved, options, run, examined).examine();
+  COLLINEA_TRY(Examination(solved, options, run, examined).examine());
   if (run.stopped()) return fail(Errc::kCancelled, "bundle adjustment stopped");
   return examined;
 }

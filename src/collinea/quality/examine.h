@@ -8,6 +8,7 @@
 #include "collinea/adjust/bundle.h"
 #include "collinea/base/options.h"
 #include "collinea/quality/conditioning.h"
+#include "collinea/quality/datum_points.h"
 #include "collinea/quality/internal/camera_poses.h"
 #include "collinea/quality/internal/covariance.h"
 #include "collinea/quality/internal/point_precision.h"
@@ -23,18 +24,21 @@ struct ExamineOptions {
   bool point_covariances = false;
   bool reliability = false;  ///< test every observation for a gross error, and say what would be found
   TestOptions test;          ///< how
+  DatumPoints datum;         ///< of a free network; none: all tie points
 };
 
 /// An adjustment with what is known of its quality. Covariances are by the given sigmas (times sigma_scale()^2 when
 /// these are only known up to scale); they, and with them all that follows, are empty when something is not determined.
 struct Examined : Adjusted {
-  std::map<ImageId, Matrix6d>
-      pose_covariance;  ///< [rotation (rad, in world), centre (m, in world)]: true rotation = rotation * rotation_by(e)
+  /// [rotation (rad, in world), centre (m, in world)]: true rotation = rotation * rotation_by(e). That is a turn of the
+  /// world before the camera, against which omega, phi and kappa count; see pose_covariances() and
+  /// covariance_of_angles().
+  std::map<ImageId, Matrix6d> pose_covariance;
   std::map<CameraId, MatrixPd> camera_covariance;  ///< of Camera::params, zero for those fixed
   std::vector<Eigen::Matrix3d> point_covariance;   ///< [m^2], parallel to points; when asked for
   std::vector<PointPrecision>
       point_precisions;  ///< at up to 2000 of the tie points with three rays or more, evenly taken
-  std::vector<CameraPoseCorrelation> camera_pose_correlations;  ///< where the datum is complete
+  std::vector<CameraPoseCorrelation> camera_pose_correlations;
   std::vector<Finding> inseparable;  ///< pairs of unknowns that hardly differ in what they do (correlation beyond 0.99)
   std::optional<Finding> undetermined;  ///< what is not determined; nothing when everything is
   Conditioning conditioning;
@@ -48,6 +52,7 @@ struct Examined : Adjusted {
 ///
 /// Rank and datum: covariances of poses and points of a block that nothing fixes refer to all its tie points. Where
 /// something else is undetermined, `undetermined` names it and only weaknesses that need no covariance are looked for.
+/// ExamineOptions::datum takes other points in their place; where the datum is complete it changes nothing.
 ///
 /// Example:
 ///
@@ -57,7 +62,8 @@ struct Examined : Adjusted {
 ///
 /// Tests of single observations ask for AdjustOptions::settle_points. Cost: one factor and its selected inverse, at
 /// most some forty solutions with that factor, three for each control point, and a small system for each tie point.
-/// Errors: kBadInput (options), kCancelled.
+/// Errors: kBadInput (options), kIllPosed (points chosen for the datum that do not tell position, attitude and scale of
+/// what is free of these), kCancelled.
 [[nodiscard]] Result<Examined> examine(Solved solved, const ExamineOptions& options, const Run& run);
 
 /// Adjusts and examines. Errors: those of adjust(), and of the above.

@@ -56,10 +56,10 @@ json json_of(const Share& part) {
           {"rmse_m", number(part.accuracy())}};
 }
 
-std::string row(const char* name, const Share& part) {
+std::string row(const char* name, const Share& part, int decimals) {
   if (part.points == 0) return "";
-  return "<tr>" + text_cell(name) + fmt::format("<td>{}</td>", part.points) + cell(part.fit, kDecimals) +
-         cell(part.survey, kDecimals) + cell(part.accuracy(), kDecimals) + "</tr>\n";
+  return "<tr>" + text_cell(name) + fmt::format("<td>{}</td>", part.points) + cell(part.fit, decimals) +
+         cell(part.survey, decimals) + cell(part.accuracy(), decimals) + "</tr>\n";
 }
 
 }  // namespace
@@ -67,6 +67,8 @@ std::string row(const char* name, const Share& part) {
 std::string accuracy_section(const AdjustmentReport& report) {
   const Share plan = part_of(report, 0, 1), height = part_of(report, 2, 2);
   if (plan.points + height.points == 0) return "";
+  const double shown[] = {plan.fit, plan.survey, height.fit, height.survey};
+  const int decimals = decimals_for(shown, kDecimals);
   std::string html =
       "<section><h2>Accuracy at check points</h2>\n<p>Root mean squares by the ASPRS Positional Accuracy Standards for "
       "Digital Geospatial Data, edition 2 (2023): what check points differ by, the standard deviations of their "
@@ -74,9 +76,9 @@ std::string accuracy_section(const AdjustmentReport& report) {
       "and both together. Of the block; surfaces and orthophotos add their own.</p>\n"
       "<table><thead><tr><th class=\"l\"></th><th>check points</th><th>fit [m]</th><th>survey [m]</th>"
       "<th>RMSE [m]</th></tr></thead><tbody>\n" +
-      row("horizontal, RMSE_H", plan) + row("vertical, RMSE_V", height) + "</tbody></table>\n";
+      row("horizontal, RMSE_H", plan, decimals) + row("vertical, RMSE_V", height, decimals) + "</tbody></table>\n";
   if (plan.points > 0 && height.points > 0)
-    html += fmt::format("<p>RMSE_3D {:.{}f} m.</p>\n", std::hypot(plan.accuracy(), height.accuracy()), kDecimals);
+    html += fmt::format("<p>RMSE_3D {:.{}f} m.</p>\n", std::hypot(plan.accuracy(), height.accuracy()), decimals);
   if (std::min(plan.points, height.points) < kEnoughPoints)
     html += fmt::format(
         "<p>The standard asks for {} check points; with fewer these figures are an indication, no test of a "

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "collinea/block/geodetic_words.h"
 #include "collinea/report/finding_words.h"
@@ -19,7 +20,15 @@ namespace collinea {
 namespace {
 
 constexpr std::size_t kMostRows = 50;
-constexpr int kDecimals = 4;  // of lengths in metres
+constexpr int kDecimals = 4;  // of lengths in metres, and more where standard deviations are small
+
+// Of all rows of a table of points.
+int decimals_of(const auto& points) {
+  std::vector<double> sigmas;
+  for (const auto& one : points)
+    sigmas.insert(sigmas.end(), one.difference_sigma_m.begin(), one.difference_sigma_m.end());
+  return decimals_for(sigmas, kDecimals);
+}
 
 std::string head(std::initializer_list<const char*> titles) {
   std::string html = "<table><thead><tr>";
@@ -71,14 +80,15 @@ std::string control_table(const AdjustmentReport& report) {
       "expected to be. Red: more than three times that.</p>\n" +
       head({"point", "role", "images", "east [m]", "north [m]", "height [m]", "&sigma; east", "&sigma; north",
             "&sigma; height"});
+  const int decimals = decimals_of(report.adjusted.control);
   for (const bool used : {false, true})
     for (const ControlDifference& one : report.adjusted.control) {
       if (one.used != used) continue;
       const ControlPoint& point = report.block.control.at(one.point);
       html +=
           "<tr>" + text_cell(point.name) + text_cell(used ? "control" : "check") + fmt::format("<td>{}</td>", one.rays);
-      for (int i = 0; i < 3; ++i) html += difference_cell(one.difference_m[i], one.difference_sigma_m[i], kDecimals);
-      for (int i = 0; i < 3; ++i) html += cell(one.difference_sigma_m[i], kDecimals);
+      for (int i = 0; i < 3; ++i) html += difference_cell(one.difference_m[i], one.difference_sigma_m[i], decimals);
+      for (int i = 0; i < 3; ++i) html += cell(one.difference_sigma_m[i], decimals);
       html += "</tr>\n";
     }
   return html + "</tbody></table></section>\n";
@@ -93,7 +103,8 @@ std::string geodetic_table(const AdjustmentReport& report) {
   for (const GeodeticDifference& one : report.adjusted.geodetic) {
     const GeodeticObservation& measured = report.block.geodetic[one.observation];
     const double unit = measured.is_angle() ? 180 / std::numbers::pi : 1;
-    const int decimals = measured.is_angle() ? 5 : kDecimals;
+    const double sigmas[] = {unit * measured.sigma, unit * one.difference_sigma};
+    const int decimals = decimals_for(sigmas, measured.is_angle() ? 5 : kDecimals);
     html += "<tr>" + text_cell(words_of(measured, report.block)) + text_cell(one.used ? "used" : "check") +
             text_cell(measured.is_angle() ? "deg" : "m") + cell(unit * measured.value, decimals) +
             cell(unit * measured.sigma, decimals) + cell(unit * one.adjusted, decimals) +
@@ -110,10 +121,13 @@ std::string unknowns_table(const AdjustmentReport& report) {
   for (const Finding& pair : report.adjusted.inseparable)
     html += "<p>" + escaped(sentence_of(pair, report.block)) + "</p>\n";
   html += head({"unknown", "unit", "value", "&sigma;"});
-  for (const EstimatedUnknown& one : unknowns)
+  for (const EstimatedUnknown& one : unknowns) {
+    const double sigma = in_unit(one.kind, one.sigma) * sigma_scale(report.adjusted);
+    const int decimals = decimals_for(sigma, kDecimals);
     html += "<tr>" + text_cell(words_of(subject_of(one.kind, one.owner, one.axis), report.block)) +
-            text_cell(unit_of(one.kind)) + cell(in_unit(one.kind, one.value), kDecimals) +
-            cell(in_unit(one.kind, one.sigma) * sigma_scale(report.adjusted), kDecimals) + "</tr>\n";
+            text_cell(unit_of(one.kind)) + cell(in_unit(one.kind, one.value), decimals) + cell(sigma, decimals) +
+            "</tr>\n";
+  }
   return html + "</tbody></table></section>\n";
 }
 
@@ -124,10 +138,11 @@ std::string left_out_table(const AdjustmentReport& report, const Reliability& te
       "of "
       "the point not taken part (leave-one-out).</p>\n" +
       head({"point", "east [m]", "north [m]", "height [m]", "&sigma; east", "&sigma; north", "&sigma; height"});
+  const int decimals = decimals_of(tests.left_out);
   for (const LeftOutPoint& one : tests.left_out) {
     html += "<tr>" + text_cell(report.block.control.at(one.point).name);
-    for (int i = 0; i < 3; ++i) html += difference_cell(one.difference_m[i], one.difference_sigma_m[i], kDecimals);
-    for (int i = 0; i < 3; ++i) html += cell(one.difference_sigma_m[i], kDecimals);
+    for (int i = 0; i < 3; ++i) html += difference_cell(one.difference_m[i], one.difference_sigma_m[i], decimals);
+    for (int i = 0; i < 3; ++i) html += cell(one.difference_sigma_m[i], decimals);
     html += "</tr>\n";
   }
   return html + "</tbody></table></section>\n";
@@ -140,17 +155,18 @@ std::string folded_table(const AdjustmentReport& report, const Folded& folded) {
       "coordinates of all points of the part not taken part: neighbours with the same error do not vouch for each "
       "other. ",
       folded.folds);
+  const int decimals = decimals_of(folded.points);
   for (const bool height : {false, true})
     if (const LeftOutRms rms = rms_of(folded.points, height); rms.points > 0)
       html += fmt::format("{}: root mean square {:.{}f} m over {}, predicted {:.{}f} m. ", height ? "Height" : "Plan",
-                          rms.difference_m, kDecimals, counted(rms.points, "point"), rms.predicted_m, kDecimals);
+                          rms.difference_m, decimals, counted(rms.points, "point"), rms.predicted_m, decimals);
   html += "</p>\n" + head({"point", "part", "east [m]", "north [m]", "height [m]", "&sigma; east", "&sigma; north",
                            "&sigma; height"});
   for (std::size_t k = 0; k < folded.points.size(); ++k) {
     const LeftOutPoint& one = folded.points[k];
     html += "<tr>" + text_cell(report.block.control.at(one.point).name) + fmt::format("<td>{}</td>", folded.part[k]);
-    for (int i = 0; i < 3; ++i) html += difference_cell(one.difference_m[i], one.difference_sigma_m[i], kDecimals);
-    for (int i = 0; i < 3; ++i) html += cell(one.difference_sigma_m[i], kDecimals);
+    for (int i = 0; i < 3; ++i) html += difference_cell(one.difference_m[i], one.difference_sigma_m[i], decimals);
+    for (int i = 0; i < 3; ++i) html += cell(one.difference_sigma_m[i], decimals);
     html += "</tr>\n";
   }
   return html + "</tbody></table></section>\n";
@@ -177,7 +193,7 @@ std::string test_rows(const std::vector<TestedObservation>& observations, const 
   for (std::size_t i = 0; i < std::min(observations.size(), kMostRows); ++i) {
     const TestedObservation one = in_unit(observations[i]);
     const std::string_view unit = unit_of(one);
-    const int decimals = unit == "px" ? 2 : unit == "deg" ? 5 : kDecimals;
+    const int decimals = decimals_for(one.sigma, unit == "px" ? 2 : unit == "deg" ? 5 : kDecimals);
     html += "<tr>" + text_cell(name_of(one, block)) + text_cell(unit_of(one)) + cell(one.residual, decimals) +
             cell(one.sigma, decimals) + cell(one.redundancy, 2) +
             fmt::format("<td{}>{:+.1f}</td>", std::abs(one.w) > limit ? " class=\"bad\"" : "", one.w) +

@@ -114,6 +114,29 @@ TEST(WriteAdjustment, AccuracyAtCheckPointsHoldsThatOfTheirSurvey) {
   EXPECT_EQ(without.at("horizontal").at("check_points"), 4);
 }
 
+// What lies on a table is known to micrometres: no standard deviation is printed as nothing.
+TEST(WriteAdjustment, MicrometresAreShown) {
+  AdjustmentReport report;
+  report.block.control[{1}] = {.name = "P1", .role = ControlRole::kCheck, .sigma_m = {1e-6, 1e-6, 2e-6}};
+  ControlDifference& one = report.adjusted.control.emplace_back();
+  one.point = {1};
+  one.difference_m = {-2.4e-6, 1.3e-6, 7e-6};
+  one.difference_sigma_m = {3.4e-6, 2.9e-6, 8.1e-6};
+  report.adjusted.points = {{{7}, {0, 0, 0}}};
+  report.adjusted.point_covariance.push_back(Eigen::Vector3d(1e-12, 1e-12, 2.56e-12).asDiagonal());
+  report.adjusted.pose_covariance[{1}] = Matrix6d::Identity() * 2.25e-12;
+  report.block.images[{1}] = {"a.jpg", CameraId{1}, "", {}, {}, 1};
+  report.adjusted.auxiliaries.push_back({.kind = UnknownKind::kLeverArm, .owner = 1, .value = 0.001, .sigma = 4.4e-6});
+  report.block.cameras[{1}] = ideal_camera(1000, 1200, 900);
+  report.adjusted.reliability.emplace();
+  report.adjusted.reliability->left_out.push_back({{1}, one.difference_m, one.difference_sigma_m});
+  const std::string page = adjustment_page(report, {});
+  for (const char* shown : {"-0.0000024<", "+0.0000070<", ">0.0000034<", ">0.0000029<", ">0.0000081<", ">0.0000016<",
+                            ">0.0000015<", ">0.0000044<"})
+    EXPECT_NE(page.find(shown), std::string::npos) << shown;
+  EXPECT_EQ(page.find(">0.0000<"), std::string::npos);
+}
+
 AdjustmentReport report_of_two_images() {
   AdjustmentReport report;
   report.block.cameras[{1}] = ideal_camera(1500, 2000, 1500);
@@ -159,6 +182,27 @@ TEST(WriteAdjustment, TheStrongestCorrelationsAreNamed) {
   for (std::size_t k = 0; k < 15; ++k)
     EXPECT_NEAR(poses.at("images").at(0).at("correlations").at(k).get<double>(),
                 poses.at("pairs").at(k) == nlohmann::json({"rotation about north", "east"}) ? 0.6 : 0, 1e-12);
+}
+
+// A turn of the world about north is one of phi the other way: both are stated, and which is which.
+TEST(WriteAdjustment, CorrelationsWithOmegaPhiKappaHaveTheirOwnSign) {
+  AdjustmentReport report = report_of_two_images();
+  for (const auto& [id, image] : report.block.images)
+    set_pose(report.block, id, {cam_from_world(OmegaPhiKappa{}), {0, 0, 100}});
+  report.adjusted.camera_pose_correlations.push_back({{1}, Camera::kF, 7, {2}, 0.91});
+  const auto json = nlohmann::json::parse(adjustment_json(report));
+  const auto& poses = json.at("pose_correlations");
+  EXPECT_NE(poses.at("sense").get<std::string>().find("world before the camera"), std::string::npos);
+  for (std::size_t k = 0; k < 15; ++k) {
+    EXPECT_NEAR(poses.at("images").at(0).at("correlations").at(k).get<double>(),
+                poses.at("pairs").at(k) == nlohmann::json({"rotation about north", "east"}) ? 0.6 : 0, 1e-12);
+    EXPECT_NEAR(poses.at("images").at(0).at("correlations_with_angles").at(k).get<double>(),
+                poses.at("pairs_with_angles").at(k) == nlohmann::json({"phi", "east"}) ? -0.6 : 0, 1e-12);
+  }
+  EXPECT_EQ(json.at("camera_pose_correlations").back().at("of_pose"), "phi");
+  const std::string page = adjustment_page(report, {});
+  EXPECT_NE(page.find("rotation about north, east</td><td>0.60</td><td>+0.700</td>"), std::string::npos);
+  EXPECT_NE(page.find("phi, east</td><td>0.60</td><td>-0.700</td>"), std::string::npos);
 }
 
 TEST(WriteAdjustment, TheWeakestImagesAndPointsComeFirst) {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "collinea/block/geodetic_words.h"
 #include "collinea/report/finding_words.h"
@@ -67,7 +68,8 @@ std::string words_of_rejected(const Rejected& rejected, const Block& block) {
   std::string text = name_of(rejected, block);
   if (rejected.as_pair) return text + " (the only other ray of the point contradicts it; both went)";
   if (!std::isfinite(rejected.w)) return text + " (not seen there)";
-  const int decimals = is_image_point(rejected.group) ? 1 : is_angle(rejected) ? 4 : 3;
+  const int least = is_image_point(rejected.group) ? 2 : is_angle(rejected) ? 5 : 4;
+  const int decimals = decimals_for(stated_in_unit(rejected, rejected.sigma), least) - 1;
   const bool in_plan = std::isfinite(rejected.gross_error.x()) && std::isfinite(rejected.gross_error.y());
   const double size = stated_in_unit(
       rejected, in_plan ? rejected.gross_error.head<2>().norm() : std::abs(rejected.gross_error[rejected.axis]));
@@ -95,7 +97,9 @@ std::string snooping_section(const AdjustmentReport& report) {
         "<th>&sigma;</th><th>influence</th><th class=\"l\">unit</th><th>redundancy</th></tr></thead><tbody>\n";
     for (std::size_t i = 0; i < std::min(kMostRows, snooped.rejected.size()); ++i) {
       const Rejected& rejected = snooped.rejected[i];
-      const int decimals = is_image_point(rejected.group) ? 2 : is_angle(rejected) ? 5 : 4;
+      const int decimals = decimals_for(stated_in_unit(rejected, rejected.sigma), is_image_point(rejected.group) ? 2
+                                                                                  : is_angle(rejected)           ? 5
+                                                                                                                 : 4);
       html += "<tr>" + text_cell(name_of(rejected, snooped.block)) + text_cell(axis_of(rejected)) +
               cell(rejected.w, 1) + cell(stated_in_unit(rejected, rejected.gross_error[rejected.axis]), decimals) +
               cell(stated_in_unit(rejected, rejected.sigma), decimals) +
@@ -118,13 +122,17 @@ std::string snooping_section(const AdjustmentReport& report) {
         "<p>Differences of control and check points with all observations, and now [m]:</p>\n<table><thead><tr><th "
         "class=\"l\">point</th><th>east</th><th>north</th><th>height</th><th>east, now</th><th>north, now</th>"
         "<th>height, now</th></tr></thead><tbody>\n";
+    std::vector<double> sigmas;
+    for (const ControlDifference& before : snooped.with)
+      sigmas.insert(sigmas.end(), before.difference_sigma_m.begin(), before.difference_sigma_m.end());
+    const int decimals = decimals_for(sigmas, 4);
     for (const ControlDifference& before : snooped.with) {
       html += "<tr>" + text_cell(snooped.block.control.at(before.point).name);
-      for (int axis = 0; axis < 3; ++axis) html += cell(before.difference_m[axis], 4);
+      for (int axis = 0; axis < 3; ++axis) html += cell(before.difference_m[axis], decimals);
       Eigen::Vector3d now = Eigen::Vector3d::Constant(std::nan(""));
       for (const ControlDifference& after : report.adjusted.control)
         if (after.point == before.point) now = after.difference_m;
-      for (int axis = 0; axis < 3; ++axis) html += cell(now[axis], 4);
+      for (int axis = 0; axis < 3; ++axis) html += cell(now[axis], decimals);
       html += "</tr>\n";
     }
     html += "</tbody></table>\n";

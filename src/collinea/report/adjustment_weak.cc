@@ -82,9 +82,10 @@ std::string table(const Ranking& ranking, const char* title, const auto& name) {
       "<table><thead><tr><th class=\"l\">{}</th><th>&sigma;, worst direction [m]</th><th>times the median</th>"
       "<th>measurements</th></tr></thead><tbody>\n",
       ranking.weak, ranking.all, title, kWeak, ranking.median_m, title);
+  const int decimals = decimals_for(ranking.median_m, 4);
   for (std::size_t i = 0; i < std::min(kShown, ranking.worst.size()); ++i) {
     const Known& one = ranking.worst[i];
-    html += "<tr>" + text_cell(name(one)) + cell(one.sigma_m, 4) +
+    html += "<tr>" + text_cell(name(one)) + cell(one.sigma_m, decimals) +
             fmt::format("<td{}>{:.1f}</td><td>{}</td></tr>\n", ranking.times(one) > kWeak ? " class=\"bad\"" : "",
                         ranking.times(one), one.rays);
   }

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "collinea/quality/mark_systems.h"
+#include "collinea/report/internal/cells.h"
 
 namespace collinea {
 namespace {
@@ -496,7 +497,7 @@ std::string words_of_weak_cases(const Words& w) {
 struct InstrumentWords {
   const char* what;
   const char* axes;  // behind the numbers
-  int decimals;
+  int decimals;      // at least
 };
 
 InstrumentWords instrument_of(Aspect aspect) {
@@ -529,9 +530,10 @@ std::string instrument_words(const Words& w) {
   owner.aspect = Aspect::kWhole;
   const std::string whose =
       subject.kind == SubjectKind::kStrip ? fmt::format("strip {}", subject.id + 1) : words_of(owner, w.block);
+  const int decimals = decimals_for(w.finding.figures_of(F::kValueSigma), words.decimals);
   return fmt::format("The {} of {} is {} {} (sigma {}).", words.what, whose,
-                     listed(w.finding.figures_of(F::kValue), "{:+.{}f}", words.decimals), words.axes,
-                     listed(w.finding.figures_of(F::kValueSigma), "{:.{}f}", words.decimals));
+                     listed(w.finding.figures_of(F::kValue), "{:+.{}f}", decimals), words.axes,
+                     listed(w.finding.figures_of(F::kValueSigma), "{:.{}f}", decimals));
 }
 
 std::string words_of_orientation(const Words& w) {

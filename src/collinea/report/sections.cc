@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
+#include <vector>
 
 #include "collinea/block/geodetic_words.h"
 #include "collinea/report/finding_words.h"
@@ -23,17 +25,11 @@ std::string optional_cell(const std::optional<double>& value, int decimals) {
   return cell(value.value_or(std::nan("")), decimals);
 }
 
-// So many that differences have two digits or more, but not finer than 0.1 mm.
-int decimals_for(double smallest_rms) {
-  if (!(smallest_rms > 0)) return 3;
-  return std::clamp(1 - int(std::floor(std::log10(smallest_rms))), 3, 4);
-}
-
+// So many that root mean squares have two digits or more.
 int decimals_of(const AxisRms& rms, const std::string& unit) {
-  double smallest = 1;
-  for (const auto& axis : rms.axis_m)
-    if (axis && *axis > 0) smallest = std::min(smallest, *axis);
-  return unit == "m" ? decimals_for(smallest) : std::clamp(2 - int(std::floor(std::log10(smallest))), 3, 7);
+  std::vector<double> shown;
+  for (const auto& axis : rms.axis_m) shown.push_back(axis.value_or(0));
+  return unit == "m" ? decimals_for(shown, 3) : std::min(decimals_for(shown, 2) + 1, 7);
 }
 
 std::string control_row(const ReportInput& input, const ControlDifference& control, int decimals, bool with_sigma) {
@@ -143,8 +139,9 @@ std::string name_value_table(const NamedValues& pairs, const char* title) {
 
 std::string control_section(const ReportInput& input, const ReportSummary& summary) {
   if (input.control.empty()) return "";
-  AxisRms smallest = summary.check.points ? summary.check : summary.control;
-  const int decimals = decimals_of(smallest, summary.unit);
+  int decimals = decimals_of(summary.check.points ? summary.check : summary.control, summary.unit);
+  for (const ControlDifference& control : input.control)
+    decimals = decimals_for(std::span(control.difference_sigma_m.data(), 3), decimals);
   const bool with_sigma = std::any_of(input.control.begin(), input.control.end(), [](const ControlDifference& control) {
     return control.difference_sigma_m.array().isFinite().any();
   });

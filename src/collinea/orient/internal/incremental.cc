@@ -183,7 +183,8 @@ AdjustOptions settled_options(const Reconstruction& reconstruction, const Orient
   const bool calibrates = reconstruction.poses().size() >= kImagesToCalibrate;
   return {.calibration = options.calibration.value_or(calibrates ? Calibration::kBrown : Calibration::kNone),
           .loss = reconstruction.noise().loss,
-          .loss_scale_sigmas = reconstruction.noise().loss_scale_sigmas};
+          .loss_scale_sigmas = reconstruction.noise().loss_scale_sigmas,
+          .position_loss_scale_sigmas = 3};  // whatever the noise of tie points is
 }
 
 Result<Adjusted> settle(Reconstruction& reconstruction, const AdjustScope& scope, const OrientOptions& options,

@@ -6,6 +6,7 @@
 
 #include "collinea/adjust/kind_geodetic.h"
 #include "collinea/base/parallel.h"
+#include "collinea/geometry/rotation.h"
 #include "collinea/quality/internal/point_cofactor.h"
 
 namespace collinea {
@@ -47,6 +48,12 @@ std::map<ImageId, Matrix6d> pose_covariances(const Solved& solved, const bundle:
     covariances[problem.images[i].id] = free_network.of_pose(to_world * in_cam * to_world.transpose(), i, to_world);
   }
   return covariances;
+}
+
+Matrix6d angles_by_rotation(const Eigen::Quaterniond& cam_from_world) {
+  Matrix6d by_rotation = Matrix6d::Identity();
+  by_rotation.topLeftCorner<3, 3>() = -angles_by_rotation_of_camera(omega_phi_kappa(cam_from_world));
+  return by_rotation;
 }
 
 std::map<CameraId, MatrixPd> camera_covariances(const Solved& solved, TileCholesky& inverse) {

@@ -39,9 +39,24 @@ using MatrixPd = Eigen::MatrixXd;  ///< of as many of Camera::params as the came
 
 /// Covariances of [rotation (rad, in world), centre (m, in world)] of each image: true rotation = rotation *
 /// rotation_by(e).
+///
+/// Sense. Rotations are cam_from_world, so that e turns the axes of the world before a camera that stays; the camera
+/// itself is turned by -e, and so are omega, phi and kappa. Sigmas do not tell the one from the other, correlations of
+/// a rotation with a centre or with a parameter of the camera do: they have the opposite sign (see
+/// covariance_of_angles).
 [[nodiscard]] std::map<ImageId, Matrix6d> pose_covariances(const Solved& solved,
                                                            const bundle::FreeNetwork& free_network,
                                                            bundle::TileCholesky& inverse);
+
+/// How small errors of [rotation, centre], in the sense above, become those of [omega, phi, kappa (rad), centre (m)],
+/// in the world: the angles of omega_phi_kappa(cam_from_world).
+[[nodiscard]] Matrix6d angles_by_rotation(const Eigen::Quaterniond& cam_from_world);
+/// A covariance of the above as that of [omega, phi, kappa (rad), centre (m)].
+[[nodiscard]] inline Matrix6d covariance_of_angles(const Matrix6d& covariance,
+                                                   const Eigen::Quaterniond& cam_from_world) {
+  const Matrix6d by_rotation = angles_by_rotation(cam_from_world);
+  return by_rotation * covariance * by_rotation.transpose();
+}
 
 /// Covariances of Camera::params of each calibrated camera, zero for those fixed.
 [[nodiscard]] std::map<CameraId, MatrixPd> camera_covariances(const Solved& solved, bundle::TileCholesky& inverse);

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include "collinea/adjust/block_motion.h"
 
@@ -11,6 +12,14 @@ namespace collinea::bundle {
 
 Eigen::MatrixXd FreeNetwork::of_position(const Part& part, const Eigen::Vector3d& position) const {
   return part.size * motion_of(position, part.centre, part.size) * part.motions;
+}
+
+// Of [rotation in the world, centre].
+Eigen::MatrixXd FreeNetwork::of_image(const Part& part, int pose) const {
+  Eigen::MatrixXd moved(6, part.motions.cols());
+  moved.topRows(3) = -part.motions.middleRows(3, 3);
+  moved.bottomRows(3) = of_position(part, centre_in(state_, static_cast<std::size_t>(pose)));
+  return moved;
 }
 
 Eigen::Vector3d FreeNetwork::position_of(std::size_t point) const {
@@ -36,6 +45,9 @@ const FreeNetwork::Part* FreeNetwork::part_with(std::size_t point) const {
 bool FreeNetwork::in_datum(const Part& part, std::size_t point) const {
   if (part_with(point) != &part) return false;
   const ProblemPoint& its = problem_.point(point);
+  if (!chosen_.empty())
+    return its.first_free < problem_.end_ray(point) &&
+           (its.control < 0 ? chosen_.ties.contains(PointId{its.id}) : chosen_.control.contains(ControlId{its.id}));
   return its.control < 0 || (part.by_control && its.first_free < problem_.end_ray(point));
 }
 
@@ -55,8 +67,8 @@ bool FreeNetwork::find_inverse(Part& part) const {
   return true;
 }
 
-FreeNetwork::FreeNetwork(const Solved& solved, const TileCholesky& factor)
-    : problem_(solved.problem()), state_(solved.state()) {
+FreeNetwork::FreeNetwork(const Solved& solved, const TileCholesky& factor, DatumPoints chosen)
+    : problem_(solved.problem()), state_(solved.state()), chosen_(std::move(chosen)) {
   std::map<int, std::vector<const DatumConstraint*>> defects;
   for (const DatumConstraint& unseen : problem_.datum) defects[unseen.part].push_back(&unseen);
   for (const auto& [number, unseen] : defects) {
@@ -76,6 +88,7 @@ FreeNetwork::FreeNetwork(const Solved& solved, const TileCholesky& factor)
   std::erase_if(parts_, [&](const Part& part) {
     return std::find(without.begin(), without.end(), part.number) != without.end();
   });
+  parts_without_ = without.size();
   for (Part& part : parts_) add_points(part, factor);
 }
 
@@ -128,12 +141,16 @@ void FreeNetwork::transform(const Part& part, const Eigen::MatrixXd& moved, cons
 Matrix6d FreeNetwork::of_pose(const Matrix6d& covariance, int pose, const Matrix6d& to_world) const {
   const Part* part = part_of(pose);
   if (!part) return covariance;
-  Eigen::MatrixXd moved(6, part->motions.cols());
-  moved.topRows(3) = -part->motions.middleRows(3, 3);
-  moved.bottomRows(3) = of_position(*part, centre_in(state_, static_cast<std::size_t>(pose)));
   Eigen::MatrixXd transformed = covariance;
-  transform(*part, moved, to_world * part->with_motions.middleRows(6 * pose, 6), transformed);
+  transform(*part, of_image(*part, pose), to_world * part->with_motions.middleRows(6 * pose, 6), transformed);
   return transformed;
+}
+
+// C - H M G': what moves the whole leaves the parameter as it is.
+Vector6d FreeNetwork::with_pose(const Vector6d& covariance, int row, int pose) const {
+  const Part* part = part_of(pose);
+  if (!part) return covariance;
+  return covariance - of_image(*part, pose) * (part->inverse * part->with_motions.row(row).transpose());
 }
 
 Eigen::Matrix3d FreeNetwork::of_point(const Eigen::Matrix3d& covariance, std::size_t point) const {

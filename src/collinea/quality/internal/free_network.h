@@ -5,11 +5,13 @@
 
 #include "collinea/adjust/solved.h"
 #include "collinea/math/tile_cholesky.h"
+#include "collinea/quality/datum_points.h"
 #include "collinea/quality/internal/point_cofactor.h"
 
 namespace collinea {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 namespace bundle {
 
@@ -20,11 +22,18 @@ namespace bundle {
 /// of the images.
 class FreeNetwork {
  public:
-  /// At most seven solutions for each unconnected part.
-  FreeNetwork(const Solved& solved, const TileCholesky& factor);
+  /// At most seven solutions for each unconnected part. `chosen`: the points of the datum in the place of all tie
+  /// points; a part whose motions these do not tell stays in the datum of the images.
+  FreeNetwork(const Solved& solved, const TileCholesky& factor, DatumPoints chosen = {});
+
+  /// Every part that something leaves free has the datum of points: of those chosen, or of its own.
+  [[nodiscard]] bool has_datum_of_points() const { return parts_without_ == 0; }
 
   /// Covariance of [rotation in the world, centre]; `to_world` turns the internal rotation there.
   [[nodiscard]] Matrix6d of_pose(const Matrix6d& covariance, int pose, const Matrix6d& to_world) const;
+  /// Covariance of one of the global parameters that no motion of the whole changes (of a camera), `row` of the reduced
+  /// unknowns, with [rotation in the world, centre]. Its own variance is the same in every datum.
+  [[nodiscard]] Vector6d with_pose(const Vector6d& covariance, int row, int pose) const;
   /// Covariance of a tie point or a control point.
   [[nodiscard]] Eigen::Matrix3d of_point(const Eigen::Matrix3d& covariance, std::size_t point) const;
   /// Covariance of a point that takes no part, by its rays in these poses (-1: an exact image).
@@ -46,6 +55,7 @@ class FreeNetwork {
     Eigen::MatrixXd variance;      // of the motion of the points
   };
   [[nodiscard]] Eigen::MatrixXd of_position(const Part& part, const Eigen::Vector3d& position) const;
+  [[nodiscard]] Eigen::MatrixXd of_image(const Part& part, int pose) const;
   [[nodiscard]] Eigen::Vector3d position_of(std::size_t point) const;
   [[nodiscard]] const Part* part_numbered(int number) const;
   [[nodiscard]] const Part* part_of(int pose) const;
@@ -59,7 +69,9 @@ class FreeNetwork {
 
   const Problem& problem_;
   const State& state_;
+  DatumPoints chosen_;
   std::vector<Part> parts_;
+  std::size_t parts_without_ = 0;
 };
 
 }  // namespace bundle

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "collinea/quality/internal/test_examine.h"
 
@@ -55,11 +56,12 @@ Eigen::Matrix<double, 3, 7> motion(const Eigen::Vector3d& position) {
   return g;
 }
 
-// The motion of the whole that fits the errors of the tie points best.
-Vector7 motion_of_errors(const Examined& adjusted, const Block& truth) {
+// The motion of the whole that fits the errors of the tie points best; of these alone, where some are given.
+Vector7 motion_of_errors(const Examined& adjusted, const Block& truth, const std::set<PointId>& of = {}) {
   Eigen::Matrix<double, 7, 7> normals = Eigen::Matrix<double, 7, 7>::Zero();
   Vector7 right = Vector7::Zero();
   for (const auto& [id, position] : adjusted.points) {
+    if (!of.empty() && !of.contains(id)) continue;
     const auto g = motion(position);
     normals += g.transpose() * g;
     right += g.transpose() * (truth.points.at(id).position_in_world - position);
@@ -127,6 +129,97 @@ TEST(FreeNetwork, ErrorsAreAsStatedInTheDatumOfTheTiePoints) {
   points.expect_one("tie points");
   control.expect_one("control points");
   checks.expect_one("check points");
+}
+
+// The datum may be that of a few points by name: errors are as stated once their motion is taken off.
+TEST(FreeNetwork, ErrorsAreAsStatedInTheDatumOfChosenPoints) {
+  MeanSquare poses, points;
+  for (std::uint64_t seed = 1; seed <= 150; ++seed) {
+    const Block truth = free_block(seed);
+    ExamineOptions options = exactly();
+    for (const auto& [id, point] : truth.points)
+      if (options.datum.ties.size() < 6) options.datum.ties.insert(id);
+    const auto adjusted = examine(measured(truth, seed), {}, options, kRun);
+    ASSERT_TRUE(adjusted && !adjusted->undetermined);
+    const Vector7 whole = motion_of_errors(*adjusted, truth, options.datum.ties);
+    const double variance = std::pow(sigma_scale(*adjusted), 2);
+    for (const auto& [id, pose] : adjusted->cam_from_world) {
+      const Rigid3& exact = pose_of(truth, id);
+      const Eigen::Vector3d centre = centre_of(pose);
+      Eigen::Matrix<double, 6, 1> error;
+      error << rotation_vector(pose.rotation.conjugate() * exact.rotation) + whole.segment<3>(3),
+          centre_of(exact) - centre - motion(centre) * whole;
+      poses.add(error, variance * adjusted->pose_covariance.at(id));
+    }
+    for (std::size_t i = 0; i < adjusted->points.size(); ++i) {
+      const auto& [id, position] = adjusted->points[i];
+      if (options.datum.ties.contains(id)) continue;
+      points.add(truth.points.at(id).position_in_world - position - motion(position) * whole,
+                 variance * adjusted->point_covariance[i]);
+    }
+    poses.end_block();
+    points.end_block();
+  }
+  poses.expect_one("poses");
+  points.expect_one("tie points");
+}
+
+// Control points by name: what they do together has no variance, G' C G = 0 over them, and of all points it is they
+// whose covariance has the least trace. Sigmas of the camera are the same in every datum.
+TEST(FreeNetwork, ChosenControlCarriesTheDatum) {
+  const Block block = measured(free_block(3), 3);
+  ExamineOptions options = exactly();
+  options.adjust.calibration = Calibration::kFocal;
+  const auto by_ties = examine(block, {}, options, kRun);
+  const auto chosen = datum_points_named(block, "gcp0, gcp1,gcp3,gcp4");
+  ASSERT_TRUE(chosen);
+  ASSERT_EQ(chosen->control.size(), 4u);
+  options.datum = *chosen;
+  const auto by_control = examine(block, {}, options, kRun);
+  ASSERT_TRUE(by_ties && by_control);
+  double trace_by_ties = 0, trace_by_control = 0;
+  for (std::size_t i = 0; i < by_ties->control.size(); ++i) {
+    if (!options.datum.control.contains(by_ties->control[i].point)) continue;
+    trace_by_ties += by_ties->control[i].covariance_m2->trace();
+    trace_by_control += by_control->control[i].covariance_m2->trace();
+  }
+  EXPECT_LT(trace_by_control, 0.9 * trace_by_ties);
+  EXPECT_NEAR(by_control->camera_covariance.begin()->second(Camera::kF, Camera::kF) /
+                  by_ties->camera_covariance.begin()->second(Camera::kF, Camera::kF),
+              1, 1e-6);
+  EXPECT_EQ(by_control->sigma0, by_ties->sigma0);
+  const Eigen::Matrix3d one = *by_control->control[0].covariance_m2;
+  options.datum.control.clear();
+  for (const auto& [id, point] : block.points) options.datum.ties.insert(id);  // by name, what is chosen by default
+  const auto by_all = examine(block, {}, options, kRun);
+  ASSERT_TRUE(by_all);
+  EXPECT_NEAR(by_all->point_covariance[5].trace() / by_ties->point_covariance[5].trace(), 1, 1e-9);
+  EXPECT_GT((one - *by_all->control[0].covariance_m2).norm(), 0.01 * one.norm());
+}
+
+TEST(FreeNetwork, ChosenPointsThatDoNotTellTheDatumAreRefused) {
+  const Block block = measured(free_block(3), 3);
+  ExamineOptions options = exactly();
+  options.datum = datum_points_named(block, "gcp0,gcp1").value();
+  const auto refused = examine(block, {}, options, kRun);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::kIllPosed);
+  const auto nobody = datum_points_named(block, "gcp0, nobody");
+  ASSERT_FALSE(nobody);
+  EXPECT_EQ(nobody.error().code, Errc::kBadInput);
+  EXPECT_NE(nobody.error().message.find("\"nobody\""), std::string::npos);
+  EXPECT_EQ(datum_points_named(block, "102, gcp4").value().ties, std::set{PointId{102}});
+}
+
+// Where control fixes the block there is nothing to choose.
+TEST(FreeNetwork, ACompleteDatumStaysAsItIs) {
+  const Block block = measured(test_block({.rows = 2, .columns = 3, .points = 40, .control = 9}), 3);
+  ExamineOptions options = exactly();
+  const auto usual = examine(block, {}, options, kRun);
+  options.datum = datum_points_named(block, "gcp0,gcp1").value();
+  const auto same = examine(block, {}, options, kRun);
+  ASSERT_TRUE(usual && same);
+  EXPECT_EQ(usual->pose_covariance, same->pose_covariance);
 }
 
 // Two tie points do not tell a turn about their line: the control points join them, and nothing is undefined.

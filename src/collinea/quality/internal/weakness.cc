@@ -10,19 +10,18 @@
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <set>
 
 #include "collinea/adjust/block_motion.h"
 #include "collinea/base/parallel.h"
 #include "collinea/math/median.h"
 #include "collinea/math/random.h"
+#include "collinea/quality/internal/ground_motion.h"
 #include "collinea/quality/internal/point_cofactor.h"
 
 namespace collinea::bundle {
 namespace {
-
-using Vector7 = Eigen::Matrix<double, 7, 1>;
-using Matrix7 = Eigen::Matrix<double, 7, 7>;
 
 // Motions of the images of a camera that its parameters can stand for.
 constexpr std::array kImitatingMotions = {Aspect::kDistance, Aspect::kTiltX, Aspect::kTiltY, Aspect::kPositionX,
@@ -49,6 +48,21 @@ std::vector<Figure> figures_of_axis(const Eigen::Vector3d& axis) {
 }
 
 std::vector<Subject> subjects_of(const std::vector<ImageId>& images) { return {images.begin(), images.end()}; }
+
+// Standard deviations of a point by its rays alone, images being exact; nothing where they do not fix it.
+std::optional<Eigen::Vector3d> sigmas_by_rays(const Problem& problem, const State& state, std::size_t p) {
+  PointSystem system(problem);
+  for (std::uint32_t r = problem.point(p).first_ray; r < problem.end_ray(p); ++r) {
+    LinearRay linear;
+    linearise(problem, state, problem.rays[r], &state.points[3 * p], problem.loss_of(problem.point(p)), &linear);
+    system.add(linear, static_cast<int>(problem.rays[r].image), state);
+  }
+  system.close(false, nullptr, &state.points[3 * p]);
+  if (problem.point(p).first_ray == problem.end_ray(p) || !system.determined()) return {};
+  Eigen::Vector3d sigmas;
+  for (int axis = 0; axis < 3; ++axis) sigmas[axis] = std::sqrt(system.solve_own(Eigen::Vector3d::Unit(axis))[axis]);
+  return sigmas;
+}
 
 Figure count_of(std::size_t count) { return {FigureName::kCount, static_cast<double>(count)}; }
 
@@ -344,61 +358,55 @@ void WeaknessFinder::look_at_correlations(const TileCholesky& factor) {
 }
 
 // The median standard deviation of what fixes plan or height: control, where there are three and more, else positions.
+// Control is known as it is given and as the images measure it; what they do not measure fixes nothing of them.
 double WeaknessFinder::reference_sigma(bool height) const {
   std::vector<double> control, positions;
-  const auto take = [&](std::vector<double>& all, const auto& inverse_sigma) {
+  const auto sigma_of = [&](const auto& inverse_sigma) {
     const double w = height ? inverse_sigma[2] : std::min(inverse_sigma[0], inverse_sigma[1]);
-    if (w > 0) all.push_back(1 / w);
+    return w > 0 ? 1 / w : 0;
   };
-  for (const ControlCoordinates& one : problem_.control) take(control, one.inverse_sigma);
-  for (const GivenPosition& one : problem_.positions) take(positions, one.inverse_sigma);
+  for (std::size_t p = problem_.first_control; p < problem_.point_count(); ++p) {
+    if (problem_.point(p).control < 0) continue;
+    const double given = sigma_of(problem_.control[problem_.point(p).control].inverse_sigma);
+    const std::optional<Eigen::Vector3d> measured = sigmas_by_rays(problem_, state_, p);
+    if (!(given > 0) || !measured) continue;
+    control.push_back(
+        std::hypot(given, sigma_scale(adjusted_) * (height ? measured->z() : measured->head<2>().maxCoeff())));
+  }
+  for (const GivenPosition& one : problem_.positions)
+    if (const double given = sigma_of(one.inverse_sigma); given > 0) positions.push_back(given);
   if (control.size() < 3) control.insert(control.end(), positions.begin(), positions.end());
   return control.empty() ? 0 : median(control);
 }
 
-// The motion of the whole that fits an error of all poses best, and its covariance.
+// The motion of the whole, as that of its ground.
 void WeaknessFinder::look_at_motions(const TileCholesky& factor) {
   if (!problem_.moves_as_one) return;
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  for (int i = 0; i < problem_.poses; ++i) centre += centre_in(state_, i) / problem_.poses;
-  const double size = problem_.extent_m;
-  Eigen::MatrixXd g(6 * problem_.poses, 7);  // unitless: angles, centres over size
-  for (int i = 0; i < problem_.poses; ++i) {
-    g.middleRows<6>(6 * i).setZero();
-    g.block<3, 3>(6 * i, 3) = -state_.rotations[i].toRotationMatrix();
-    g.block<3, 7>(6 * i + 3, 0) = motion_of(centre_in(state_, i), centre, size);
-  }
-  const Matrix7 inverse = (g.transpose() * g).inverse();
-  if (!inverse.allFinite()) return;
-  Eigen::MatrixXd fit = g * inverse;  // of poses in these units, to the motion
-  for (int i = 0; i < problem_.poses; ++i) fit.middleRows<3>(6 * i + 3) /= size;
-  Matrix7 covariance;
-  for (int k = 0; k < 7; ++k) {
-    std::vector<double> right(fit.col(k).data(), fit.col(k).data() + fit.rows());
-    const std::vector<double> x = solved(factor, std::move(right));
-    covariance.col(k) = fit.transpose() * Eigen::Map<const Eigen::VectorXd>(x.data(), fit.rows());
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(covariance.bottomRightCorner<4, 4>());
-  for (int k = 3; k >= 0; --k) {
-    const Eigen::Vector4d motion = eigen.eigenvectors().col(k);
-    const double sigma = std::sqrt(std::max(eigen.eigenvalues()[k], 0.0)) * sigma_scale(adjusted_);
-    const bool scales = std::abs(motion[3]) > 0.7;
-    const Eigen::Vector3d axis = motion.head<3>().normalized();
-    // A turn about a level axis shows in height, one about the plumb line in plan.
-    const double upright = scales ? 1 : std::abs(axis.z()), level = std::sqrt(std::max(0.0, 1 - upright * upright));
-    const double reference = std::hypot(upright * reference_sigma(false), level * reference_sigma(true));
-    if (!(reference > 0) || !(sigma * size > kWeakMotion * reference)) continue;
-    const std::array known = {Figure{FigureName::kExtent, size}, Figure{FigureName::kMotion, sigma * size},
-                              Figure{FigureName::kReference, reference}};
-    Finding weak =
-        scales
-            ? finding_of(FindingCode::kWeakScale, {}, {{FigureName::kSigmaScale, sigma}}, {RemedyCode::kWidenControl})
-            : finding_of(FindingCode::kWeakRotation, {}, figures_of_axis(axis),
-                         {std::abs(axis.z()) > 0.9 ? RemedyCode::kWidenControlInPlan : RemedyCode::kAddCrossStrip});
-    if (!scales) weak.figures.push_back({FigureName::kSigmaAngle, sigma * kDegrees});
-    weak.figures.insert(weak.figures.end(), known.begin(), known.end());
-    add(std::move(weak));
-  }
+  const std::optional<GroundMotion> ground = ground_motion(problem_, state_, factor);
+  if (!ground) return;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(ground->covariance.bottomRightCorner<4, 4>());
+  for (int k = 3; k >= 0; --k)
+    name_weak_motion(eigen.eigenvectors().col(k),
+                     std::sqrt(std::max(eigen.eigenvalues()[k], 0.0)) * sigma_scale(adjusted_), ground->size);
+}
+
+// `motion`: angles and log scale, of length 1, with this standard deviation.
+void WeaknessFinder::name_weak_motion(const Eigen::Vector4d& motion, double sigma, double size) {
+  const bool scales = std::abs(motion[3]) > 0.7;
+  const Eigen::Vector3d axis = motion.head<3>().normalized();
+  // A turn about a level axis shows in height, one about the plumb line in plan.
+  const double upright = scales ? 1 : std::abs(axis.z()), level = std::sqrt(std::max(0.0, 1 - upright * upright));
+  const double reference = std::hypot(upright * reference_sigma(false), level * reference_sigma(true));
+  if (!(reference > 0) || !(sigma * size > kWeakMotion * reference)) return;
+  const std::array known = {Figure{FigureName::kExtent, size}, Figure{FigureName::kMotion, sigma * size},
+                            Figure{FigureName::kReference, reference}};
+  Finding weak =
+      scales ? finding_of(FindingCode::kWeakScale, {}, {{FigureName::kSigmaScale, sigma}}, {RemedyCode::kWidenControl})
+             : finding_of(FindingCode::kWeakRotation, {}, figures_of_axis(axis),
+                          {std::abs(axis.z()) > 0.9 ? RemedyCode::kWidenControlInPlan : RemedyCode::kAddCrossStrip});
+  if (!scales) weak.figures.push_back({FigureName::kSigmaAngle, sigma * kDegrees});
+  weak.figures.insert(weak.figures.end(), known.begin(), known.end());
+  add(std::move(weak));
 }
 
 void WeaknessFinder::look_at_camera(const TileCholesky& factor, std::size_t number) {

@@ -30,9 +30,9 @@ class WeaknessFinder {
   /// Where the normal equations are singular beyond the datum: which images hang loose, by inverse iteration with a
   /// slightly stiffened matrix.
   void look_at_loose_images(Solved& solved, const Run& run);
-  /// With the factor: motions of the whole that are far worse known than what fixes them, parameters of cameras that
-  /// only their pseudo-observations determine, and motions of the images that imitate them. At most seven solutions for
-  /// the block and thirteen for each of up to three cameras.
+  /// With the factor: motions of the ground as a whole that are far worse known than what fixes them, parameters of
+  /// cameras that only their pseudo-observations determine, and motions of the images that imitate them. At most seven
+  /// solutions for the block and thirteen for each of up to three cameras.
   void look_at_correlations(const TileCholesky& factor);
   /// Images known far worse than the others.
   void look_at_images(const std::map<ImageId, Eigen::Matrix<double, 6, 6>>& pose_covariance);
@@ -53,6 +53,7 @@ class WeaknessFinder {
   void name_unseen(const std::vector<const DatumConstraint*>& unseen, bool whole);
   void name_articulation_images();
   void look_at_motions(const TileCholesky& factor);
+  void name_weak_motion(const Eigen::Vector4d& motion, double sigma, double size);
   /// A camera with its free parameters: their index among the reduced unknowns, and their cofactors.
   struct FreeCamera {
     const ProblemCamera& camera;

@@ -139,6 +139,61 @@ TEST(Weakness, HealthyBlocksHaveNone) {
   }
 }
 
+// A narrow view from above: each projection centre goes with the tilt of its image, and is known ten times worse in
+// plan than the ground, to which control all over the block gives scale, azimuth and level.
+Block narrow_view(int rows, std::uint64_t seed) {
+  Block block = test_block({.rows = rows,
+                            .columns = 6,
+                            .points = 500,
+                            .spacing_m = 4,
+                            .relief_m = 2,
+                            .sigma_px = 0.3,
+                            .control = 30,
+                            .control_sigma_m = 0.003,
+                            .tilt_rad = 0.02,
+                            .seed = seed});
+  const Camera& camera = block.cameras.begin()->second;
+  const auto outside = [&](const auto& seen) {
+    return (seen.pixel - Eigen::Vector2d(camera.params[Camera::kCx], camera.params[Camera::kCy])).norm() >
+           0.17 * camera.width_px;
+  };
+  std::erase_if(block.observations, outside);
+  std::erase_if(block.control_observations, outside);
+  return block;
+}
+
+TEST(Weakness, CentresThatGoWithTheirTiltsAreNoMotionOfTheBlock) {
+  for (const int rows : {1, 2})
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      const Block block = narrow_view(rows, seed);
+      EXPECT_EQ(all_of(weaknesses_of(block, with_covariances()), block), "") << rows << " strips, seed " << seed;
+    }
+}
+
+// The same block, its plan held in one corner and its heights everywhere; all control is at one height, so that these
+// tell nothing of the scale.
+TEST(Weakness, PlanHeldInACornerLeavesScaleAndAzimuthWeak) {
+  Block block = narrow_view(2, 1);
+  int corner = 0;
+  for (auto& [id, control] : block.control) {
+    control.role = ControlRole::kControl;
+    control.position_in_world.z() = 0;
+    if (corner < 4) {
+      control.position_in_world.head<2>() = Eigen::Vector2d(5 + 0.2 * (corner % 2), 3 + 0.2 * (corner / 2));
+      ++corner;
+    } else {
+      control.sigma_m.head<2>().setConstant(kInfinity);
+    }
+  }
+  measure_again(block, 0.3);
+  const auto found = weaknesses_of(block, with_covariances());
+  expect_named(block, found, FindingCode::kWeakScale, "sigma_scale");
+  const auto turn = std::find_if(found.begin(), found.end(),
+                                 [](const Finding& weak) { return weak.code == FindingCode::kWeakRotation; });
+  ASSERT_NE(turn, found.end()) << all_of(found, block);
+  EXPECT_GT(turn->figure(FigureName::kSteepness).value_or(0), 0.9);
+}
+
 TEST(Weakness, NoDatum) {
   const Block block = test_block(usual());
   expect_named(block, weaknesses_of(block, with_covariances()), FindingCode::kNoDatum, "degrees_of_freedom 7");

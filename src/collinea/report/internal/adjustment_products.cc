@@ -27,13 +27,8 @@ Vector3d sigma(const Matrix3d& covariance) { return covariance.diagonal().cwiseS
 
 // Standard deviations of the angles as they are written, from those of small turns about the axes of the map.
 Vector3d sigma_of_angles(const OmegaPhiKappa& angles, const Matrix3d& rotations_in_map) {
-  const double omega = angles.omega_deg / kDegrees, phi = angles.phi_deg / kDegrees;
-  Matrix3d axes;                                             // of omega, phi and kappa
-  axes << 1, 0, std::sin(phi),                               //
-      0, std::cos(omega), -std::sin(omega) * std::cos(phi),  //
-      0, std::sin(omega), std::cos(omega) * std::cos(phi);
-  const Matrix3d angles_by_rotation = axes.inverse();
-  return kDegrees * sigma(angles_by_rotation * rotations_in_map * angles_by_rotation.transpose());
+  const Matrix3d by_rotation = angles_by_rotation_of_camera(angles);
+  return kDegrees * sigma(by_rotation * rotations_in_map * by_rotation.transpose());
 }
 
 std::vector<ProductImage> images_of(const AdjustmentReport& report, const std::vector<ExteriorOrientation>& rows) {

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "collinea/report/internal/svg.h"
@@ -16,6 +17,17 @@ constexpr const char* kUnknown = "\xe2\x80\x93";  // a dash
 
 std::string cell(double value, int decimals) {
   return fmt::format("<td>{}</td>", std::isfinite(value) ? number_text(value, decimals) : kUnknown);
+}
+
+int decimals_for(double sigma, int least) {
+  constexpr double kLeast = 1e-8;
+  if (!std::isfinite(sigma) || !(sigma >= kLeast)) return least;
+  return std::max(least, 1 - static_cast<int>(std::floor(std::log10(sigma))));
+}
+
+int decimals_for(std::span<const double> sigmas, int least) {
+  for (const double sigma : sigmas) least = decimals_for(sigma, least);
+  return least;
 }
 
 std::string text_cell(std::string_view text, std::string_view style) {

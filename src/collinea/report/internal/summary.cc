@@ -88,7 +88,7 @@ bool skipped(const ReportInput& input, const std::string& file) {
 std::string length_text(std::optional<double> length, const std::string& unit) {
   if (!length || !std::isfinite(*length)) return "\xe2\x80\x93";
   const double size = std::abs(*length);
-  const int decimals = size > 0 ? std::clamp(1 - int(std::floor(std::log10(size))), 3, unit == "m" ? 4 : 8) : 3;
+  const int decimals = size > 0 ? std::clamp(1 - int(std::floor(std::log10(size))), 3, 8) : 3;
   return fmt::format("{:.{}f} {}", *length, decimals, unit);
 }
 
