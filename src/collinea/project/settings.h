@@ -14,6 +14,7 @@
 #include "collinea/match/pairs.h"
 #include "collinea/orient/options.h"
 #include "collinea/ortho/orthophoto.h"
+#include "collinea/report/report_options.h"
 #include "collinea/surface/dsm.h"
 #include "collinea/surface/dtm.h"
 
@@ -33,6 +34,7 @@ struct Settings {
   DsmOptions surface;
   DtmOptions terrain;
   OrthoOptions ortho;
+  ReportOptions report;
 
   /// Calls visit(name of the step, name of the group, options) for every group of options: the only list of them.
   template <class Self, class Visit>
@@ -47,6 +49,7 @@ struct Settings {
     visit("surface", "surface", self.surface);
     visit("terrain", "terrain", self.terrain);
     visit("ortho", "ortho", self.ortho);
+    visit("report", "report", self.report);
   }
 };
 

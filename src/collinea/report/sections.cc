@@ -158,7 +158,8 @@ std::string control_section(const ReportInput& input, const ReportSummary& summa
       "<th>east [{0}]</th><th>north [{0}]</th><th>height [{0}]</th><th>3D [{0}]</th>{1}<th>image [px]</th></tr></thead>"
       "<tbody>\n",
       summary.unit,
-      with_sigma ? fmt::format("<th>&sigma; east</th><th>&sigma; north</th><th>&sigma; height [{}]</th>", summary.unit)
+      with_sigma ? fmt::format("<th>&sigma; east [{0}]</th><th>&sigma; north [{0}]</th><th>&sigma; height [{0}]</th>",
+                               summary.unit)
                  : "");
   for (const bool used : {false, true})
     for (const ControlDifference& control : input.control)

@@ -15,6 +15,8 @@
 #include "collinea/block/block.h"
 #include "collinea/block/gauge.h"
 #include "collinea/report/product_words.h"
+#include "collinea/report/report_options.h"
+#include "collinea/report/signed_files.h"
 #include "collinea/store/project_store.h"
 
 namespace collinea {
@@ -63,6 +65,8 @@ struct ReportInput {
   std::filesystem::path dsm, ortho;    ///< GeoTIFFs to show; empty: none
   std::optional<NamedValues> options;  ///< those that were chosen; nothing: not known
   NamedValues versions;                ///< program and libraries
+  ReportOptions signer;                ///< who signs
+  std::optional<SignedFiles> files;    ///< what the signature stands for; nothing: not known
 };
 
 }  // namespace collinea
