@@ -11,7 +11,7 @@ namespace collinea {
 Command verify_command() {
   struct Asked {
     std::string project;
-    VerifyOptions options;
+    VerifyProjectOptions options;
     ConsoleOptions console;
     bool json = false;
   };

@@ -22,12 +22,12 @@ TEST(Sha256, OfAFileIsThatOfItsBytesAlsoOverManyPieces) {
   std::string bytes((std::size_t{5} << 20) + 17, 'x');
   bytes[std::size_t{3} << 20] = 'y';
   ASSERT_TRUE(write_file(folder / "long", bytes));
-  EXPECT_EQ(sha256_of_file(folder / "long", Run{}).value(), Sha256().add(bytes).hex());
-  EXPECT_EQ(sha256_of_file(folder / "none", Run{}).error().code, Errc::kNotFound);
-  EXPECT_EQ(sha256_of_file(folder / "", Run{}).error().code, Errc::kNotFound);  // a folder
+  EXPECT_EQ(sha256_of_file(folder / "long", collinea::Run{}).value(), Sha256().add(bytes).hex());
+  EXPECT_EQ(sha256_of_file(folder / "none", collinea::Run{}).error().code, Errc::kNotFound);
+  EXPECT_EQ(sha256_of_file(folder / "", collinea::Run{}).error().code, Errc::kNotFound);  // a folder
   std::stop_source stop;
   stop.request_stop();
-  EXPECT_EQ(sha256_of_file(folder / "long", Run{.stop = stop.get_token()}).error().code, Errc::kCancelled);
+  EXPECT_EQ(sha256_of_file(folder / "long", collinea::Run{.stop = stop.get_token()}).error().code, Errc::kCancelled);
 }
 
 }  // namespace

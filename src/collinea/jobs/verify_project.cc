@@ -8,7 +8,8 @@
 
 namespace collinea {
 
-Result<Verified> verify_project(const std::filesystem::path& folder, const VerifyOptions& options, const Run& run) {
+Result<Verified> verify_project(const std::filesystem::path& folder, const VerifyProjectOptions& options,
+                                const Run& run) {
   const std::filesystem::path path = folder / kHashesFile;
   if (!is_there(path)) return fail(Errc::kNotFound, path.string() + " is missing: the step \"report\" writes it");
   COLLINEA_TRY(const std::string text, read_file(path));
@@ -19,7 +20,8 @@ Result<Verified> verify_project(const std::filesystem::path& folder, const Verif
   for (const SignedFile& file : record.files) {
     if (file.is_input() && !options.inputs) continue;
     files.push_back(file);
-    if (file.is_input() && options.photos) files.back().folder = *options.photos;
+    if (!options.photos || !file.is_input()) continue;
+    if (file.role == FileRole::kImage || !is_there(file.folder / file.name)) files.back().folder = *options.photos;
   }
   return compared(std::move(record), folder, std::move(files), run);
 }

@@ -38,8 +38,8 @@ table { border-collapse: collapse; width: 100%; font-size: 13.5px; font-variant-
 th { text-align: right; font-weight: 600; color: var(--soft); border-bottom: 1.5px solid var(--ink); padding: 4px 8px; vertical-align: bottom; }
 td { text-align: right; border-bottom: 1px solid var(--line); padding: 3px 8px; vertical-align: top; }
 th.l, td.l { text-align: left; }
-td.l { overflow-wrap: break-word; min-width: 7em; }
-td.w { overflow-wrap: anywhere; }
+td.l { overflow-wrap: break-word; }
+td.l:first-child, td.w { overflow-wrap: anywhere; min-width: 10em; }
 .table { overflow-x: auto; margin: 8px 0; }
 .pairs th, .pairs td { text-align: left; }
 .pairs td:first-child { width: 32%; color: var(--soft); }
@@ -108,6 +108,8 @@ svg path, svg polyline, svg polygon { stroke-linejoin: round; }
   .facts .wide { grid-column: 1 / -1; }
   .signature { display: block; }
   .meter { width: 50px; }
+  .map { overflow-x: auto; }
+  .map svg { min-width: 560px; max-width: none; }
 }
 @page {
   size: A4;
@@ -122,12 +124,15 @@ svg path, svg polyline, svg polygon { stroke-linejoin: round; }
   p, li { orphans: 3; widows: 3; }
   .table { overflow: visible; }
   table { font-size: 8.8pt; }
-  td.l { overflow-wrap: anywhere; min-width: 4em; }
   .many table { font-size: 7pt; }
   .many th, .many td { padding: 2px 3px; }
+  .many td.l:first-child { min-width: 8em; }
   .crowd table { font-size: 4.2pt; }
-  .crowd th, .crowd td { padding: 1px; min-width: 0; }
-  svg, img { max-height: 225mm; }
+  .crowd th, .crowd td, .crowd td.l:first-child { padding: 1px; min-width: 0; }
+  figure > svg, figure > img { max-height: 118mm; }
+  section > svg { max-height: 80mm; width: auto; }
+  p + .table { break-before: avoid; }
+  .pair figure > svg, .pair figure > img { max-height: 62mm; width: auto; }
   figure, .pair, ul.cautions li { break-inside: avoid; }
   figcaption, .facts dt { font-size: 8.5pt; }
   .facts { grid-template-columns: repeat(4, 1fr); gap: 0 18px; font-size: 9.5pt; }

@@ -29,7 +29,7 @@ std::size_t columns_of(std::string_view table) {
 
 // How small the type must be on paper (the style sheet): A4 has room for about ten columns of numbers and a name.
 const char* style_of(std::size_t columns) {
-  return columns > 22 ? "table crowd" : columns > 10 ? "table many" : "table";
+  return columns > 22 ? "table crowd" : columns > 9 ? "table many" : "table";
 }
 
 // A text as a string of a style sheet: whatever could end it is written by its number.

@@ -45,8 +45,9 @@ struct ReportInput {
   Block block;                               ///< as adjusted
   std::map<CameraId, Camera> first_cameras;  ///< before the adjustment
   std::map<CameraId, std::array<double, Camera::kAllParams>>
-      camera_sigma;                                   ///< of Camera::params; 0 or NaN: fixed or unknown
-  std::map<ImageId, Eigen::Vector3d> centre_sigma_m;  ///< of projection centres: east, north, up
+      camera_sigma;                                       ///< of Camera::params; 0 or NaN: fixed or unknown
+  std::map<ImageId, Eigen::Vector3d> centre_sigma_m;      ///< of projection centres: east, north, up
+  std::map<ImageId, Eigen::Vector3d> rotation_sigma_rad;  ///< of small rotations about the axes of the world
   std::vector<ControlDifference> control;
   std::vector<PositionDifference> positions;
   std::vector<GeodeticDifference> geodetic;
