@@ -54,8 +54,9 @@ std::string profile_page(const Profile& profile, const std::vector<std::string>&
   for (const auto& heights : profile.of)
     for (const HeightSample& one : heights)
       if (std::isfinite(one.height_m)) {
-        low = std::min(low, one.height_m);
-        high = std::max(high, one.height_m);
+        const double sigma_m = std::isfinite(one.sigma_m) ? one.sigma_m : 0;  // the bands shall not leave the chart
+        low = std::min(low, one.height_m - sigma_m);
+        high = std::max(high, one.height_m + sigma_m);
       }
   const PageHead head{"Profile", "heights along a line", fmt::format("{:.2f} m", profile.distance_m.back()), ""};
   if (!(low <= high)) return whole_page(head, "<p>No surface has heights along this line.</p>");

@@ -26,7 +26,7 @@ enum class FileRole : std::uint8_t {
   kImage,    ///< a photograph of the block
   kGiven,    ///< another file that an option names: control, positions, a geoid
   kProduct,  ///< made for the user
-  kReport,   ///< told of it: report and adjustment
+  kReport,   ///< says how good it is: report and adjustment
 };
 inline constexpr Word<FileRole> kFileRoleWords[] = {{FileRole::kImage, "image"},
                                                     {FileRole::kGiven, "given"},

@@ -110,6 +110,7 @@ svg path, svg polyline, svg polygon { stroke-linejoin: round; }
   .meter { width: 50px; }
   .map { overflow-x: auto; }
   .map svg { min-width: 560px; max-width: none; }
+  .pair .map svg { min-width: 0; max-width: 100%; }
 }
 @page {
   size: A4;
@@ -117,6 +118,7 @@ svg path, svg polyline, svg polygon { stroke-linejoin: round; }
   @bottom-left { color: #5b6778; font: 8pt "Liberation Sans", Arial, sans-serif; }
   @bottom-right { content: counter(page) " / " counter(pages); color: #5b6778; font: 8pt "Liberation Sans", Arial, sans-serif; }
 }
+@page wide { size: A4 landscape; }
 @media print {
   body { font-size: 10.5pt; }
   main { padding: 0; max-width: none; }
@@ -127,6 +129,7 @@ svg path, svg polyline, svg polygon { stroke-linejoin: round; }
   .many table { font-size: 7pt; }
   .many th, .many td { padding: 2px 3px; }
   .many td.l:first-child { min-width: 8em; }
+  .crowd { page: wide; }
   .crowd table { font-size: 4.2pt; }
   .crowd th, .crowd td, .crowd td.l:first-child { padding: 1px; min-width: 0; }
   figure > svg, figure > img { max-height: 118mm; }

@@ -6,7 +6,7 @@
 
 namespace collinea {
 
-/// What is told of a page beside its body. Plain texts, not HTML.
+/// What a page has beside its body. Plain texts, not HTML.
 struct PageHead {
   std::string title;  ///< of the project
   std::string kind;   ///< "adjustment": in the title of the window, and below every printed sheet
