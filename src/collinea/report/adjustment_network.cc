@@ -115,19 +115,31 @@ struct RedundancyGrid {
   [[nodiscard]] double mean(std::size_t i) const { return count[i] > 0 ? sum[i] / double(count[i]) : std::nan(""); }
 };
 
+// Where the points are, without the few that lie far off and would make the others small.
+std::pair<Vector2d, Vector2d> bounds_of_most(const std::map<PointId, Vector2d>& position) {
+  constexpr double kFew = 0.01, kMargin = 0.25;
+  Vector2d low, high;
+  for (int axis = 0; axis < 2; ++axis) {
+    std::vector<double> values;
+    for (const auto& [id, at] : position) values.push_back(at[axis]);
+    std::sort(values.begin(), values.end());
+    const auto few = std::size_t(kFew * double(values.size()));
+    const double first = values[few], last = values[values.size() - 1 - few], margin = kMargin * (last - first);
+    low[axis] = std::max(values.front(), first - margin);
+    high[axis] = std::min(values.back(), last + margin);
+  }
+  return {low, high};
+}
+
 RedundancyGrid grid_of(const AdjustmentReport& report) {
   constexpr int kAcross = 40;
   RedundancyGrid grid;
   if (!report.adjusted.reliability) return grid;
   std::map<PointId, Vector2d> position;
-  Vector2d low = Vector2d::Constant(1e300), high = -low;
-  for (const auto& [id, point] : report.adjusted.points) {
-    if (!point.allFinite()) continue;
-    position[id] = point.head<2>();
-    low = low.cwiseMin(point.head<2>());
-    high = high.cwiseMax(point.head<2>());
-  }
+  for (const auto& [id, point] : report.adjusted.points)
+    if (point.allFinite()) position[id] = point.head<2>();
   if (position.empty()) return grid;
+  const auto [low, high] = bounds_of_most(position);
   grid.low = low;
   grid.cell_m = std::max((high - low).maxCoeff(), 1e-9) / kAcross;
   grid.columns = int((high - low).x() / grid.cell_m) + 1;
@@ -138,6 +150,7 @@ RedundancyGrid grid_of(const AdjustmentReport& report) {
   for (std::size_t i = 0; i < std::min(numbers.size(), report.adjusted.observations.size()); ++i) {
     const auto at = position.find(report.block.observations[report.adjusted.observations[i]].point);
     if (at == position.end() || !numbers[i].allFinite()) continue;
+    if ((at->second.array() < low.array()).any() || (at->second.array() > high.array()).any()) continue;
     const Vector2d cell = (at->second - low) / grid.cell_m;
     const auto index = std::size_t(int(cell.y()) * grid.columns + int(cell.x()));
     grid.sum[index] += numbers[i].mean();
@@ -207,10 +220,14 @@ std::string points_table(const NetworkCounts& counts) {
   double all = 0;
   for (const auto& [rays, its] : counts.tie) all += double(its.points);
   std::string html =
-      "<table><thead><tr><th class=\"l\">points</th><th>points</th><th>share [%]</th><th>rays</th><th>observations "
+      "<table><thead><tr><th class=\"l\">tie points</th><th>points</th><th>share [%]</th><th>rays</th><th>observations "
       "m</th><th>unknowns n</th><th>redundancy</th><th>per observation</th></tr></thead><tbody>\n";
   for (const auto& [rays, its] : counts.tie)
-    html += row_of(fmt::format("tie points in {}{} images", rays, rays == kMostRays ? " and more" : ""), its, all);
+    html += row_of(fmt::format("in {} {}", rays,
+                               rays == kMostRays ? "or more"
+                               : rays == 1       ? "image"
+                                                 : "images"),
+                   its, all);
   return html + row_of("control points", counts.control, 0) + row_of("check points", counts.check, 0) +
          "</tbody></table>\n";
 }

@@ -126,10 +126,11 @@ std::string one_camera(const ReportInput& input, const ReportSummary& summary, C
   return html + "</div>\n";
 }
 
+// With a space that breaks no line.
 std::string bytes_text(double bytes) {
-  if (bytes >= 1e9) return fmt::format("{:.2f} GB", bytes / 1e9);
-  if (bytes >= 1e6) return fmt::format("{:.1f} MB", bytes / 1e6);
-  return fmt::format("{:.0f} kB", bytes / 1e3);
+  if (bytes >= 1e9) return fmt::format("{:.2f}\xc2\xa0GB", bytes / 1e9);
+  if (bytes >= 1e6) return fmt::format("{:.1f}\xc2\xa0MB", bytes / 1e6);
+  return fmt::format("{:.0f}\xc2\xa0kB", bytes / 1e3);
 }
 
 std::string name_value_table(const NamedValues& pairs, const char* title) {

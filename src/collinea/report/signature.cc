@@ -44,13 +44,13 @@ std::string signature_section(const ReportInput& input) {
   if (input.files) {
     html += "<table class=\"pairs\"><tbody>\n<tr>" + text_cell("made by") +
             text_cell(fmt::format("collinea {}, seed {}", input.files->version, input.files->seed)) + "</tr>\n" +
-            digest_row("of", *input.files, SignedPart::kInputs) +
-            digest_row("delivered", *input.files, SignedPart::kProducts) +
+            digest_row("inputs", *input.files, SignedPart::kInputs) +
+            digest_row("products", *input.files, SignedPart::kProducts) +
             "</tbody></table>\n<p>The hash of every file is in hashes.json. <code>collinea verify</code> compares "
             "them with the files and prints the two hashes above.</p>\n";
   }
   return html + "<div class=\"signature\">" + line("Surveyor", input.signer.surveyor) +
-         line("Licence or register number", input.signer.licence) + line("Date", input.signer.signed_on) +
+         line("Licence or register", input.signer.licence) + line("Date", input.signer.signed_on) +
          line("Signature", "") + "</div>\n</section>\n";
 }
 
