@@ -264,8 +264,7 @@ std::string network_section(const AdjustmentReport& report) {
   return html + "<figure class=\"map\"><h3>Local redundancy</h3>" + redundancy_map(grid, metric ? "m" : "units") +
          "<figcaption>Mean redundancy number of the image coordinates of the tie points in each square, in plan. Red: "
          "seen in two images; a gross error there stays unseen more easily. White: no tie "
-         "point.</figcaption></figure>\n"
-         "</section>\n";
+         "point, or few far off.</figcaption></figure>\n</section>\n";
 }
 
 json network_json(const AdjustmentReport& report) {
