@@ -23,10 +23,9 @@ constexpr int kDecimals = 4;  // of lengths in metres
 
 std::string head(std::initializer_list<const char*> titles) {
   std::string html = "<table><thead><tr>";
-  bool first = true;
-  for (const char* title : titles) {
-    html += fmt::format("<th{}>{}</th>", first ? " class=\"l\"" : "", title);
-    first = false;
+  for (const std::string_view title : titles) {
+    const bool is_text = title.data() == *titles.begin() || title == "role" || title == "unit";
+    html += fmt::format("<th{}>{}</th>", is_text ? " class=\"l\"" : "", title);
   }
   return html + "</tr></thead><tbody>\n";
 }

@@ -22,10 +22,9 @@ double plan_rms(const Eigen::Vector3d& rms_m) { return std::sqrt((rms_m.x() * rm
 
 std::string head(std::initializer_list<const char*> titles) {
   std::string html = "<table><thead><tr>";
-  bool first = true;
-  for (const char* title : titles) {
-    html += fmt::format("<th{}>{}</th>", first ? " class=\"l\"" : "", title);
-    first = false;
+  for (const std::string_view title : titles) {
+    const bool is_text = title.data() == *titles.begin() || title == "role" || title == "rule";
+    html += fmt::format("<th{}>{}</th>", is_text ? " class=\"l\"" : "", title);
   }
   return html + "</tr></thead><tbody>\n";
 }
