@@ -26,6 +26,7 @@ Command simulate_command();
 Command assess_command();
 Command stereo_command();
 Command rectify_command();
+Command verify_command();
 
 /// The only list of commands, in the order of the help. Each has a page of its name in docs/manual (commands_test.cc
 /// sees to it); man pages and completion are made from both.
@@ -51,6 +52,7 @@ Command rectify_command();
       assess_command(),
       stereo_command(),
       rectify_command(),
+      verify_command(),
   };
 }
 

@@ -11,6 +11,7 @@
 #include "collinea/base/source_tree.h"
 #include "collinea/base/test_folder.h"
 #include "collinea/project/project.h"
+#include "collinea/report/signed_files.h"
 
 namespace collinea {
 namespace {
@@ -139,6 +140,7 @@ TEST(Commands, WhatIsNotThereEndsWithThree) {
                                                        {"report", nothing},
                                                        {"info", nothing},
                                                        {"info", nothing, "--json"},
+                                                       {"verify", nothing},
                                                        {"export", nothing, project},
                                                        {"assess", nothing, nothing}};
   for (const auto& arguments : cases) {
@@ -229,6 +231,26 @@ TEST(Commands, ExportSaysWhatItLeavesOut) {
   EXPECT_EQ(outcome.code, 0);
   EXPECT_EQ(outcome.out, out + "\n");
   EXPECT_NE(outcome.err.find("note: 1 image without orientation is left out."), std::string::npos) << outcome.err;
+}
+
+TEST(Commands, VerifyEndsWithZeroOnlyWhereAllIsTheSame) {
+  const TestFolder folder;
+  const std::string project = (folder / "project").string();
+  ASSERT_TRUE(write_file(folder / "project/products/ortho.tif", "ortho"));
+  SignedFiles all{"0.1.0", 1, {{FileRole::kProduct, "products/ortho.tif", {}}}};
+  ASSERT_TRUE(hash_files(project, all.files, {}));
+  ASSERT_TRUE(write_file(folder / "project" / kHashesFile, signed_files_json(all)));
+  const Outcome same = collinea_with({"verify", project});
+  EXPECT_EQ(same.code, 0) << same.err;
+  EXPECT_NE(same.out.find("same      products/ortho.tif\n"), std::string::npos) << same.out;
+  EXPECT_NE(same.out.find(digest_of(all, SignedPart::kProducts)), std::string::npos) << same.out;
+  ASSERT_TRUE(write_file(folder / "project/products/ortho.tif", "Ortho"));
+  EXPECT_EQ(collinea_with({"verify", project}).code, kFilesDiffer);
+  const Outcome json = collinea_with({"verify", project, "--json"});
+  EXPECT_EQ(json.code, kFilesDiffer);
+  EXPECT_EQ(nlohmann::json::parse(json.out).at("files").at(0).at("state"), "changed");
+  ASSERT_TRUE(write_file(folder / "project" / kHashesFile, "{"));
+  EXPECT_EQ(collinea_with({"verify", project}).code, exit_code(Errc::kBadFormat));
 }
 
 TEST(ExitCode, IsAsTheHelpSays) {

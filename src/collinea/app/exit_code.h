@@ -5,6 +5,9 @@
 
 namespace collinea {
 
+/// The exit code of `verify` where files are not those that were signed.
+inline constexpr int kFilesDiffer = 8;
+
 /// The exit code of the program for each kind of failure; 0 is success and 1 a defect in collinea itself.
 [[nodiscard]] constexpr int exit_code(Errc code) {
   switch (code) {

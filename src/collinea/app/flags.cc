@@ -149,7 +149,8 @@ int dispatch(int argc, char** argv, std::span<const Command> commands) {
       "collinea: photographs and survey control in; oriented images, point cloud, surface model, orthophoto and\n"
       "quality report out.\n\n"
       "exit codes: 0 done, 1 defect in the program, 2 bad input or usage, 3 not found, 4 broken file,\n"
-      "5 unsupported, 6 geometry has no solution, 7 not converged, 130 stopped by the user",
+      "5 unsupported, 6 geometry has no solution, 7 not converged, 8 files differ (verify),\n"
+      "130 stopped by the user",
       "collinea"};
   app.set_version_flag("--version", "collinea " COLLINEA_VERSION);
   app.require_subcommand(1);

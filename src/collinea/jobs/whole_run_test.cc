@@ -19,6 +19,7 @@
 #include "collinea/jobs/assess.h"
 #include "collinea/jobs/export.h"
 #include "collinea/jobs/info.h"
+#include "collinea/jobs/verify_project.h"
 #include "collinea/ortho/ortho_tile.h"
 #include "collinea/raster/geotiff.h"
 #include "collinea/raster/image_file.h"
@@ -66,6 +67,7 @@ class WholeProject : public SmallProject {
   void files_left_half_written_are_swept_and_others_are_not();
   void a_second_program_is_kept_out_but_may_look();
   void an_image_that_breaks_off_is_named_and_the_rest_goes_on();
+  void what_changed_after_the_report_is_found();
 };
 
 void WholeProject::every_image_is_oriented_and_every_product_there() {
@@ -457,6 +459,54 @@ TEST_F(WholeProject, IsMappedChangedStoppedAndContinuedAsPromised) {
   files_left_half_written_are_swept_and_others_are_not();
   a_second_program_is_kept_out_but_may_look();
   an_image_that_breaks_off_is_named_and_the_rest_goes_on();
+  what_changed_after_the_report_is_found();
+}
+
+void flip_byte(const fs::path& path, std::uint64_t at) {
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekg(std::streamoff(at));
+  const char byte = char(file.get() ^ 1);
+  file.seekp(std::streamoff(at));
+  file.put(byte);
+}
+
+// Names and states of the files that are not as they were.
+std::map<std::string, FileState> differing(const fs::path& project, const VerifyProjectOptions& options = {}) {
+  const auto verified = verify_project(project, options, {});
+  EXPECT_TRUE(verified) << verified.error().message;
+  std::map<std::string, FileState> states;
+  if (!verified) return states;
+  for (const auto& [file, state] : verified->files)
+    if (state != FileState::kSame) states[file.name] = state;
+  EXPECT_EQ(verified->agrees(), states.empty());
+  return states;
+}
+
+void WholeProject::what_changed_after_the_report_is_found() {
+  const fs::path project = copy("signed"), photos = root_ / "signed_images";
+  fs::copy(root_ / "images", photos, fs::copy_options::recursive);
+  EXPECT_TRUE(differing(project).empty());
+  const auto all = verify_project(project, {}, {});
+  ASSERT_TRUE(all);
+  for (const FileRole role : {FileRole::kImage, FileRole::kProduct, FileRole::kReport})
+    EXPECT_TRUE(std::any_of(all->files.begin(), all->files.end(), [&](const auto& one) {
+      return one.file.role == role;
+    })) << word_of(role);
+  flip_byte(project / "products/ortho.tif", fs::file_size(project / "products/ortho.tif") / 2);
+  const auto image = fs::directory_iterator(photos)->path();
+  flip_byte(image, fs::file_size(image) - 1);
+  fs::remove(project / "products/dsm.tif");
+  flip_byte(project / "report/report.html", 5000);
+  const std::map<std::string, FileState> products = {{"products/dsm.tif", FileState::kMissing},
+                                                     {"products/ortho.tif", FileState::kChanged},
+                                                     {"report/report.html", FileState::kChanged}};
+  EXPECT_EQ(differing(project), products);
+  EXPECT_EQ(differing(project, {.photos = root_ / "nowhere", .inputs = false}), products);
+  auto with_image = products;
+  with_image[image.filename().string()] = FileState::kChanged;
+  EXPECT_EQ(differing(project, {.photos = photos}), with_image);
+  fs::remove(project / kHashesFile);
+  EXPECT_EQ(verify_project(project, {}, {}).error().code, Errc::kNotFound);
 }
 
 TEST(Project, ADamagedDatabaseIsNamedWithTheWayOut) {

@@ -15,6 +15,7 @@
 #include "collinea/orient/adjustment_options.h"
 #include "collinea/orient/options.h"
 #include "collinea/ortho/orthophoto.h"
+#include "collinea/report/report_options.h"
 #include "collinea/surface/dsm.h"
 #include "collinea/surface/dtm.h"
 
@@ -35,6 +36,7 @@ struct Settings {
   DsmOptions surface;
   DtmOptions terrain;
   OrthoOptions ortho;
+  ReportOptions report;
 
   /// Calls visit(name of the step, name of the group, options) for every group of options: the only list of them.
   template <class Self, class Visit>
@@ -50,6 +52,7 @@ struct Settings {
     visit("surface", "surface", self.surface);
     visit("terrain", "terrain", self.terrain);
     visit("ortho", "ortho", self.ortho);
+    visit("report", "report", self.report);
   }
 };
 

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <map>
 #include <numbers>
 
 #include "collinea/block/geodetic_words.h"
 #include "collinea/report/finding_words.h"
 #include "collinea/report/internal/adjustment_findings.h"
 #include "collinea/report/internal/cells.h"
+#include "collinea/report/internal/details.h"
 #include "collinea/report/internal/finding_json.h"
 #include "collinea/report/json_values.h"
 #include "collinea/report/value_words.h"
@@ -26,13 +29,46 @@ json covariance_of(const ControlDifference& one, double sigma0) {
 
 json control(const AdjustmentReport& report) {
   json list = json::array();
-  for (const ControlDifference& one : report.adjusted.control)
-    list.push_back({{"name", report.block.control.at(one.point).name},
-                    {"role", one.used ? "control" : "check"},
-                    {"images", one.rays},
-                    {"difference_m", vector(one.difference_m)},
-                    {"sigma_m", vector(one.difference_sigma_m)},
-                    {"covariance_m2", covariance_of(one, sigma_scale(report.adjusted))}});
+  for (const ControlDifference& one : report.adjusted.control) {
+    json row = json_of(one, report.block);
+    row["covariance_m2"] = covariance_of(one, sigma_scale(report.adjusted));
+    list.push_back(std::move(row));
+  }
+  return list;
+}
+
+std::vector<ImageDetail> image_details(const AdjustmentReport& report) {
+  const Examined& adjusted = report.adjusted;
+  std::map<ImageId, ImageDetail> details;
+  for (const auto& [id, pose] : oriented_images(report.block)) {
+    ImageDetail& one = details[id];
+    one.image = id;
+    one.centre_in_world = centre_of(pose);
+    const auto known = adjusted.pose_covariance.find(id);
+    if (known == adjusted.pose_covariance.end()) continue;
+    const Eigen::Matrix<double, 6, 1> sigma = known->second.diagonal().cwiseSqrt() * sigma_scale(adjusted);
+    one.rotation_sigma_deg = 180 / std::numbers::pi * sigma.head<3>();
+    one.centre_sigma_m = sigma.tail<3>();
+  }
+  for (const PositionDifference& position : adjusted.positions)
+    if (const auto its = details.find(position.image); its != details.end()) its->second.position = &position;
+  for (std::size_t i = 0; i < adjusted.observations.size(); ++i) {
+    const auto its = details.find(report.block.observations[adjusted.observations[i]].image);
+    if (its == details.end() || !adjusted.residuals_px[i].allFinite()) continue;
+    ++its->second.rays;
+    its->second.rms_px += adjusted.residuals_px[i].squaredNorm();  // a sum of squares, until below
+  }
+  std::vector<ImageDetail> list;
+  for (auto& [id, one] : details) {
+    one.rms_px = one.rays > 0 ? std::sqrt(one.rms_px / double(one.rays)) : 0;
+    list.push_back(one);
+  }
+  return list;
+}
+
+json images(const AdjustmentReport& report) {
+  json list = json::array();
+  for (const ImageDetail& one : image_details(report)) list.push_back(json_of(one, report.block));
   return list;
 }
 
@@ -54,26 +90,35 @@ json geodetic_json(const AdjustmentReport& report) {
   return list;
 }
 
-// Value, standard deviation and correlations with those that are free, of each parameter.
+// Correlations of the parameters of a camera that are free.
+json correlations_of(const Camera& camera, const MatrixPd& covariance) {
+  json all;
+  const std::vector<int> params = params_of(camera);
+  for (const int k : params)
+    for (const int other : params)
+      if (other < k && covariance(k, k) > 0 && covariance(other, other) > 0)
+        all[param_name(k)][param_name(other)] =
+            number(covariance(k, other) / std::sqrt(covariance(k, k) * covariance(other, other)));
+  return all;
+}
+
 json cameras(const AdjustmentReport& report) {
+  std::map<CameraId, CameraDetail> details = by_camera(image_details(report), report.block);
   json list = json::array();
   for (const auto& [id, camera] : report.block.cameras) {
-    json one = {{"name", camera.name}, {"model", name_of(camera.model)}};
+    CameraDetail& detail = details[id];
+    detail.camera = id;
     const auto covariance = report.adjusted.camera_covariance.find(id);
     const bool known = covariance != report.adjusted.camera_covariance.end();
-    const auto sigma = [&](int k) { return known ? std::sqrt(covariance->second(k, k)) : 0; };
-    if (camera.additional != AdditionalSet::kNone) one["additional"] = kAdditionalNames[std::size_t(camera.additional)];
-    const std::vector<int> params = params_of(camera);
-    for (const int k : params) {
-      const std::string name = param_name(k);
-      one["parameters"][name] = {{"value", number(camera.params[std::size_t(k)])}, {"unit", param_unit(k)}};
-      if (!(sigma(k) > 0)) continue;
-      one["parameters"][name]["sigma"] = number(sigma(k) * sigma_scale(report.adjusted));
-      for (const int other : params)
-        if (other < k && sigma(other) > 0)
-          one["correlations"][name][param_name(other)] =
-              number(covariance->second(k, other) / (sigma(k) * sigma(other)));
-    }
+    const double unknown = report.adjusted.cameras.contains(id) ? std::nan("") : 0;  // 0: the camera was fixed
+    for (int k = 0; k < Camera::kAllParams; ++k)
+      detail.sigma.push_back(!known ? unknown
+                             : k >= covariance->second.rows()
+                                 ? 0
+                                 : std::sqrt(covariance->second(k, k)) * sigma_scale(report.adjusted));
+    json one = json_of(detail, report.block);
+    if (known)
+      if (const json all = correlations_of(camera, covariance->second); !all.is_null()) one["correlations"] = all;
     list.push_back(one);
   }
   return list;
@@ -184,6 +229,7 @@ std::string adjustment_json(const AdjustmentReport& report) {
         {"mostly", words_of(adjusted.conditioning, report.block)}}},
       {"undetermined", adjusted.undetermined ? finding_json(*adjusted.undetermined, report.block) : json(nullptr)},
       {"cameras", cameras(report)},
+      {"image_list", images(report)},
       {"control_points", control(report)},
       {"accuracy", accuracy_json(report)}};
   if (!report.adjusted.geodetic.empty()) j["geodetic"] = geodetic_json(report);
@@ -196,6 +242,7 @@ std::string adjustment_json(const AdjustmentReport& report) {
     j["camera_pose_correlations"] = camera_pose_correlation_json(report);
     j["weakest"] = weak_json(report);
   }
+  j["network"] = network_json(report);
   j["residuals"] = residual_json(report);
   j["weaknesses"] = findings_json(adjusted.weaknesses, report.block);
   if (report.snooped) j["snooping"] = snooping_json(report);

@@ -64,10 +64,21 @@ double common_sigma(const std::vector<Marked>& marks) {
   return sigmas[(sigmas.size() - 1) * 9 / 10];
 }
 
+// An ellipse beyond this would hide the others, or run out of the map.
+constexpr double kCommon_px = 20, kLargest = 5;  // the common one; times that
+
+bool fits(const Marked& mark, double px_per_m) {
+  return std::sqrt(mark.covariance_m2.diagonal().maxCoeff()) * px_per_m <= kLargest * kCommon_px;
+}
+
 void draw_mark(Svg& svg, const Vector2d& at, const Marked& mark, double px_per_m, bool crowded) {
   constexpr std::array<const char*, 4> kStyles = {"ellipse tie", "ellipse", "ellipse checked", "ellipse tie"};
-  draw_ellipse(svg, at, mark.covariance_m2.topLeftCorner<2, 2>(), px_per_m, kStyles[mark.kind]);
-  draw_height_bar(svg, at, std::sqrt(mark.covariance_m2(2, 2)), px_per_m, "height_bar");
+  if (fits(mark, px_per_m)) {
+    draw_ellipse(svg, at, mark.covariance_m2.topLeftCorner<2, 2>(), px_per_m, kStyles[mark.kind]);
+    draw_height_bar(svg, at, std::sqrt(mark.covariance_m2(2, 2)), px_per_m, "height_bar");
+  } else {
+    svg.circle(at, 9, "more", mark.name);
+  }
   if (mark.kind == Marked::kControl) draw_triangle(svg, at, "control");
   if (mark.kind == Marked::kCheck) svg.circle(at, 6, "check", mark.name);
   svg.circle(at, crowded ? 1 : 1.6, "station", mark.name);
@@ -76,7 +87,7 @@ void draw_mark(Svg& svg, const Vector2d& at, const Marked& mark, double px_per_m
 }
 
 std::string map_of(const std::vector<Marked>& marks, const std::string& label, const std::string& unit) {
-  constexpr double kCommon_px = 20, kMostHeight = 560;
+  constexpr double kMostHeight = 560;
   const double common = common_sigma(marks);
   if (!(common > 0)) return "";
   MapBounds bounds;
@@ -122,7 +133,8 @@ std::string precision_section(const AdjustmentReport& report, const AdjustmentPr
         "<figcaption>Ellipses in plan and bars in height: one standard deviation (39 % and 68 % of all errors), in the "
         "scale "
         "of the legend. Triangles: control; circles: check points, without the error of their survey; the others: tie "
-        "points, one of middling precision from each square of a grid.</figcaption></figure>\n";
+        "points, one of middling precision from each square of a grid. Dashed: more than five times as large as "
+        "most.</figcaption></figure>\n";
   if (!images.empty())
     html += "<figure class=\"map\"><h3>Projection centres</h3>" + images +
             "<figcaption>The same of the images, in a scale of their own.</figcaption></figure>\n";

@@ -11,7 +11,7 @@
 #include "collinea/report/internal/adjustment_products.h"
 #include "collinea/report/internal/cells.h"
 #include "collinea/report/internal/counted.h"
-#include "collinea/report/internal/page.h"
+#include "collinea/report/internal/html_page.h"
 #include "collinea/report/internal/svg.h"
 #include "collinea/report/value_words.h"
 #include "collinea/report/write_adjustment.h"
@@ -32,19 +32,18 @@ int decimals_of(const auto& points) {
 
 std::string head(std::initializer_list<const char*> titles) {
   std::string html = "<table><thead><tr>";
-  bool first = true;
-  for (const char* title : titles) {
-    html += fmt::format("<th{}>{}</th>", first ? " class=\"l\"" : "", title);
-    first = false;
+  for (const std::string_view title : titles) {
+    const bool is_text = title.data() == *titles.begin() || title == "role" || title == "unit";
+    html += fmt::format("<th{}>{}</th>", is_text ? " class=\"l\"" : "", title);
   }
   return html + "</tr></thead><tbody>\n";
 }
 
 std::string summary(const AdjustmentReport& report) {
   const Examined& adjusted = report.adjusted;
-  std::string html = "<section><h2>Adjustment</h2>\n" + head({"", ""});
+  std::string html = "<section><h2>Adjustment</h2>\n<table class=\"pairs\"><tbody>\n";
   const auto row = [&](const char* name, const std::string& value) {
-    html += "<tr>" + text_cell(name) + "<td>" + escaped(value) + "</td></tr>\n";
+    html += "<tr>" + text_cell(name) + text_cell(value, "l w") + "</tr>\n";
   };
   row("sigma 0 (1: as assumed)", fmt::format("{:.3f}", adjusted.sigma0));
   row("observations", std::to_string(adjusted.observation_count));
@@ -78,8 +77,8 @@ std::string control_table(const AdjustmentReport& report) {
   std::string html =
       "<section><h2>Control and check points</h2>\n<p>Estimated minus surveyed. &sigma;: what the difference is "
       "expected to be. Red: more than three times that.</p>\n" +
-      head({"point", "role", "images", "east [m]", "north [m]", "height [m]", "&sigma; east", "&sigma; north",
-            "&sigma; height"});
+      head({"point", "role", "images", "east [m]", "north [m]", "height [m]", "&sigma; east [m]", "&sigma; north [m]",
+            "&sigma; height [m]"});
   const int decimals = decimals_of(report.adjusted.control);
   for (const bool used : {false, true})
     for (const ControlDifference& one : report.adjusted.control) {
@@ -137,7 +136,8 @@ std::string left_out_table(const AdjustmentReport& report, const Reliability& te
       "<section><h2>Each control point against the others</h2>\n<p>What the difference would be, had the coordinates "
       "of "
       "the point not taken part (leave-one-out).</p>\n" +
-      head({"point", "east [m]", "north [m]", "height [m]", "&sigma; east", "&sigma; north", "&sigma; height"});
+      head({"point", "east [m]", "north [m]", "height [m]", "&sigma; east [m]", "&sigma; north [m]",
+            "&sigma; height [m]"});
   const int decimals = decimals_of(tests.left_out);
   for (const LeftOutPoint& one : tests.left_out) {
     html += "<tr>" + text_cell(report.block.control.at(one.point).name);
@@ -160,8 +160,8 @@ std::string folded_table(const AdjustmentReport& report, const Folded& folded) {
     if (const LeftOutRms rms = rms_of(folded.points, height); rms.points > 0)
       html += fmt::format("{}: root mean square {:.{}f} m over {}, predicted {:.{}f} m. ", height ? "Height" : "Plan",
                           rms.difference_m, decimals, counted(rms.points, "point"), rms.predicted_m, decimals);
-  html += "</p>\n" + head({"point", "part", "east [m]", "north [m]", "height [m]", "&sigma; east", "&sigma; north",
-                           "&sigma; height"});
+  html += "</p>\n" + head({"point", "part", "east [m]", "north [m]", "height [m]", "&sigma; east [m]",
+                           "&sigma; north [m]", "&sigma; height [m]"});
   for (std::size_t k = 0; k < folded.points.size(); ++k) {
     const LeftOutPoint& one = folded.points[k];
     html += "<tr>" + text_cell(report.block.control.at(one.point).name) + fmt::format("<td>{}</td>", folded.part[k]);
@@ -189,7 +189,7 @@ std::string group_table(const AdjustmentReport& report, const Reliability& tests
 
 std::string test_rows(const std::vector<TestedObservation>& observations, const Block& block, double limit) {
   std::string html = head({"observation", "unit", "residual", "&sigma; given", "redundancy", "w", "gross error",
-                           "minimal detectable", "its effect", "in &sigma;"});
+                           "minimal detectable", "its effect", "effect [&sigma;]"});
   for (std::size_t i = 0; i < std::min(observations.size(), kMostRows); ++i) {
     const TestedObservation one = in_unit(observations[i]);
     const std::string_view unit = unit_of(one);
@@ -243,22 +243,17 @@ std::string tests_section(const AdjustmentReport& report, const Reliability& tes
 }  // namespace
 
 std::string adjustment_page(const AdjustmentReport& report, const AdjustmentProducts& products) {
-  const std::string title = escaped(report.title.empty() ? "Project" : report.title);
-  std::string html = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + title +
-                     ": adjustment</title>\n<style>" + kStyleSheet +
-                     "</style></head>\n<body><main>\n<header><div><h1>" + title +
-                     "</h1>Adjustment report</div><p>collinea " COLLINEA_VERSION "</p></header>\n";
-  html += summary(report) + snooping_section(report) + control_table(report) + accuracy_section(report) +
-          precision_section(report, products) + geodetic_table(report) + unknowns_table(report) +
-          additional_section(report);
+  std::string html = summary(report) + snooping_section(report) + control_table(report) + accuracy_section(report) +
+                     precision_section(report, products) + network_section(report) + geodetic_table(report) +
+                     unknowns_table(report) + additional_section(report);
   if (report.adjusted.reliability) {
     const Reliability& tests = *report.adjusted.reliability;
     html += left_out_table(report, tests) + folded_table(report, tests.folded) + group_table(report, tests) +
             tests_section(report, tests);
   }
   html += weak_section(report) + correlation_section(report) + residual_section(report);
-  return html +
-         "<footer>All figures are also in adjustment.json and the tables beside it.</footer>\n</main></body></html>\n";
+  html += "<footer>All figures are also in adjustment.json and the tables beside it.</footer>\n";
+  return whole_page({report.title.empty() ? "Project" : report.title, "adjustment", "Adjustment report", ""}, html);
 }
 
 }  // namespace collinea

@@ -205,6 +205,83 @@ TEST(WriteAdjustment, CorrelationsWithOmegaPhiKappaHaveTheirOwnSign) {
   EXPECT_NE(page.find("phi, east</td><td>0.60</td><td>-0.700</td>"), std::string::npos);
 }
 
+// Two points in two images and one in three, of which each ray has a redundancy number of its own.
+AdjustmentReport report_of_small_network() {
+  AdjustmentReport report = report_of_two_images();
+  report.block.observations.clear();
+  report.adjusted.observations.clear();
+  report.adjusted.residuals_px.clear();
+  report.adjusted.reliability.emplace();
+  for (const auto& [point, images] : std::map<std::uint32_t, std::uint32_t>{{7, 2}, {8, 2}, {9, 3}})
+    for (std::uint32_t image = 1; image <= images; ++image) {
+      set_pose(report.block, {image}, {});
+      report.adjusted.cam_from_world[{image}] = {};
+      report.adjusted.observations.push_back(std::uint32_t(report.block.observations.size()));
+      report.block.observations.push_back({{image}, {point}, 0, {5, 5}, 1});
+      report.adjusted.residuals_px.emplace_back(0.3, 0.4);
+      report.adjusted.reliability->tie_redundancy.emplace_back(0.1 * images, 0.2 * images);
+    }
+  report.adjusted.positions = {{{2}, {0.1, 0.2, 0.3}, 0.5}};
+  report.adjusted.observation_count = 14;
+  report.adjusted.unknown_count = 18 + 9 + 2;
+  report.adjusted.rank_defect = 7;
+  return report;
+}
+
+TEST(WriteAdjustment, TheNetworkIsCountedByKindAndByRays) {
+  const AdjustmentReport report = report_of_small_network();
+  const auto network = nlohmann::json::parse(adjustment_json(report)).at("network");
+  EXPECT_EQ(network.at("unknowns_of"),
+            nlohmann::json({{"images", 18}, {"tie_points", 9}, {"cameras", 2}, {"others", 0}}));
+  ASSERT_EQ(network.at("tie_points").size(), 2u);
+  const auto& two = network.at("tie_points").at(0);
+  EXPECT_EQ(two.at("images"), 2);
+  EXPECT_EQ(two.at("points"), 2);
+  EXPECT_EQ(two.at("rays"), 4);
+  EXPECT_EQ(two.at("observations"), 8);
+  EXPECT_EQ(two.at("unknowns"), 6);
+  EXPECT_NEAR(two.at("redundancy").get<double>(), 4 * (0.2 + 0.4), 1e-12);
+  EXPECT_NEAR(network.at("tie_points").at(1).at("mean_redundancy_number").get<double>(), 0.45, 1e-12);
+  const auto& map = network.at("map");
+  EXPECT_EQ(map.at("rows"), 1);
+  EXPECT_NEAR(map.at("mean_redundancy_number").at(0).get<double>(), 0.3, 1e-12);
+  EXPECT_NEAR(map.at("mean_redundancy_number").back().get<double>(), 0.45, 1e-12);
+  EXPECT_TRUE(map.at("mean_redundancy_number").at(1).is_null());
+  const std::string page = adjustment_page(report, {});
+  EXPECT_NE(page.find("m = 14 observations, n = 29 unknowns, rank defect d = 7"), std::string::npos);
+  EXPECT_NE(page.find("in 3 images"), std::string::npos);
+  EXPECT_NE(page.find("Local redundancy"), std::string::npos);
+}
+
+TEST(WriteAdjustment, EveryImageAndCameraIsInTheFigures) {
+  const AdjustmentReport report = report_of_small_network();
+  const auto json = nlohmann::json::parse(adjustment_json(report));
+  const auto& image = json.at("image_list").at(1);
+  EXPECT_EQ(image.at("file"), "IMG_2.jpg");
+  EXPECT_EQ(image.at("rays"), 3);
+  EXPECT_NEAR(image.at("rms_px").get<double>(), 0.5, 1e-12);
+  EXPECT_NEAR(image.at("centre_sigma_m").at(2).get<double>(), 0.01, 1e-12);
+  EXPECT_NEAR(image.at("rotation_sigma_deg").at(0).get<double>(), 0.57295779513, 1e-9);
+  EXPECT_NEAR(image.at("position_weight").get<double>(), 0.5, 1e-12);
+  const auto& camera = json.at("cameras").at(0);
+  EXPECT_EQ(camera.at("images"), 3);
+  EXPECT_EQ(camera.at("rays"), 7);
+  EXPECT_NEAR(camera.at("parameters").at("f").at("sigma").get<double>(), 2, 1e-12);
+  EXPECT_EQ(camera.at("parameters").at("cx").at("sigma"), 0);
+  EXPECT_NEAR(camera.at("correlations").at("k1").at("f").get<double>(), -0.95, 1e-12);
+}
+
+// One long sentence had pushed all values of the first table out of the page.
+TEST(WriteAdjustment, TheFirstTableBreaksItsSentences) {
+  AdjustmentReport report = report_of_two_images();
+  report.adjusted.conditioning.inflation = 1e9;
+  const std::string page = adjustment_page(report, {});
+  const auto sentence = page.find("the worst combination of unknowns");
+  ASSERT_NE(sentence, std::string::npos);
+  const auto from = page.rfind("<td", sentence);
+  EXPECT_EQ(page.substr(from, sentence - from), "<td class=\"l w\">");
+}
+
 TEST(WriteAdjustment, TheWeakestImagesAndPointsComeFirst) {
   const auto weakest = nlohmann::json::parse(adjustment_json(report_of_two_images())).at("weakest");
   EXPECT_EQ(weakest.at("images").at("weak"), 1);

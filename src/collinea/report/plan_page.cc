@@ -7,7 +7,7 @@
 
 #include "collinea/report/finding_words.h"
 #include "collinea/report/internal/cells.h"
-#include "collinea/report/internal/page.h"
+#include "collinea/report/internal/html_page.h"
 #include "collinea/report/internal/svg.h"
 #include "collinea/report/plan_report.h"
 #include "collinea/report/plan_words.h"
@@ -22,10 +22,9 @@ double plan_rms(const Eigen::Vector3d& rms_m) { return std::sqrt((rms_m.x() * rm
 
 std::string head(std::initializer_list<const char*> titles) {
   std::string html = "<table><thead><tr>";
-  bool first = true;
-  for (const char* title : titles) {
-    html += fmt::format("<th{}>{}</th>", first ? " class=\"l\"" : "", title);
-    first = false;
+  for (const std::string_view title : titles) {
+    const bool is_text = title.data() == *titles.begin() || title == "role" || title == "rule";
+    html += fmt::format("<th{}>{}</th>", is_text ? " class=\"l\"" : "", title);
   }
   return html + "</tr></thead><tbody>\n";
 }
@@ -100,8 +99,9 @@ std::string maps(const PlanReport& report) {
 
 std::string gains(const PlanReport& report) {
   if (report.gains.empty()) return "";
-  std::string html = "<section><h2>What more would gain</h2>\n" +
-                     head({"", "plan [mm]", "worst [mm]", "height [mm]", "worst [mm]", "height better by"});
+  std::string html =
+      "<section><h2>What more would gain</h2>\n" +
+      head({"", "plan [mm]", "plan, worst [mm]", "height [mm]", "height, worst [mm]", "height better by"});
   const AreaSigma& now = report.precision.area;
   const auto row = [&](const std::string& name, const AreaSigma& area) {
     html += "<tr>" + text_cell(name) + cell(1000 * plan_rms(area.rms_m), kMm) + cell(1000 * area.worst_plan_m, kMm) +
@@ -132,7 +132,8 @@ std::string check_points(const PlanReport& report) {
   if (rows.empty()) return "";
   return "<section><h2>Control and check points</h2>\n<p>Standard deviations after the adjustment, and of the "
          "survey.</p>\n" +
-         head({"point", "role", "images", "east [mm]", "north [mm]", "height [mm]", "survey east", "north", "height"}) +
+         head({"point", "role", "images", "east [mm]", "north [mm]", "height [mm]", "survey east [mm]",
+               "survey north [mm]", "survey height [mm]"}) +
          rows + "</tbody></table></section>\n";
 }
 
@@ -197,16 +198,12 @@ std::string trials(const PlanReport& report) {
 }  // namespace
 
 std::string plan_page(const PlanReport& report) {
-  const std::string title = escaped(report.title.empty() ? "Survey" : report.title);
-  return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + title +
-         ": plan</title>\n<style>" + kStyleSheet + "</style></head>\n<body><main>\n<header><div><h1>" + title +
-         "</h1>Planned survey: expected precision</div><p>collinea " COLLINEA_VERSION "</p></header>\n" +
-         statement(report) + facts(report) + cautions(report) + maps(report) + gains(report) + check_points(report) +
-         unknowns(report) + rules(report) + trials(report) +
-         "<footer>Predicted by the bundle adjustment of the planned block. Gross errors, poor texture, motion blur and "
-         "a "
-         "bad "
-         "camera model come on top. All figures are also in plan.json.</footer>\n</main></body></html>\n";
+  return whole_page({report.title.empty() ? "Survey" : report.title, "plan", "Planned survey: expected precision", ""},
+                    statement(report) + facts(report) + cautions(report) + maps(report) + gains(report) +
+                        check_points(report) + unknowns(report) + rules(report) + trials(report) +
+                        "<footer>Predicted by the bundle adjustment of the planned block. Gross errors, poor texture, "
+                        "motion blur and "
+                        "a bad camera model come on top. All figures are also in plan.json.</footer>\n");
 }
 
 }  // namespace collinea

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "collinea/report/internal/page.h"
+#include "collinea/report/internal/html_page.h"
 #include "collinea/report/internal/svg.h"
 
 namespace collinea {
@@ -54,14 +54,12 @@ std::string profile_page(const Profile& profile, const std::vector<std::string>&
   for (const auto& heights : profile.of)
     for (const HeightSample& one : heights)
       if (std::isfinite(one.height_m)) {
-        low = std::min(low, one.height_m);
-        high = std::max(high, one.height_m);
+        const double sigma_m = std::isfinite(one.sigma_m) ? one.sigma_m : 0;  // the bands shall not leave the chart
+        low = std::min(low, one.height_m - sigma_m);
+        high = std::max(high, one.height_m + sigma_m);
       }
-  std::string html =
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Profile</title>\n<style>" +
-      std::string(kStyleSheet) + "</style></head>\n<body><main>\n<header><div><h1>Profile</h1>" +
-      fmt::format("{:.2f} m", profile.distance_m.back()) + "</div><p>collinea " COLLINEA_VERSION "</p></header>\n";
-  if (!(low <= high)) return html + "<p>No surface has heights along this line.</p></main></body></html>\n";
+  const PageHead head{"Profile", "heights along a line", fmt::format("{:.2f} m", profile.distance_m.back()), ""};
+  if (!(low <= high)) return whole_page(head, "<p>No surface has heights along this line.</p>");
   const double margin = std::max(0.05 * (high - low), 0.01);
   const Axis x{0, profile.distance_m.back(), 70, kWidth - 14}, y{low - margin, high + margin, kHeight - 46, 14};
   Svg svg(kWidth, kHeight, "Profile");
@@ -74,11 +72,12 @@ std::string profile_page(const Profile& profile, const std::vector<std::string>&
   }
   const double exaggeration = ((kHeight - 60) / (y.high - y.low)) / ((kWidth - 84) / x.high);
   const Vector2d &from = profile.positions.front(), &to = profile.positions.back();
-  return html + "<figure>" + svg.finish() +
-         fmt::format(
-             "<figcaption>From {:.2f}, {:.2f} to {:.2f}, {:.2f}. Heights exaggerated {:.2g} times; bands: one "
-             "standard deviation. The figures are in profile.csv.</figcaption></figure>\n</main></body></html>\n",
-             from.x(), from.y(), to.x(), to.y(), exaggeration);
+  return whole_page(
+      head,
+      "<figure>" + svg.finish() +
+          fmt::format("<figcaption>From {:.2f}, {:.2f} to {:.2f}, {:.2f}. Heights exaggerated {:.2g} times; bands: "
+                      "one standard deviation. The figures are in profile.csv.</figcaption></figure>\n",
+                      from.x(), from.y(), to.x(), to.y(), exaggeration));
 }
 
 }  // namespace collinea

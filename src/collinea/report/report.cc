@@ -2,6 +2,7 @@
 #include "collinea/report/report.h"
 
 #include "collinea/base/file.h"
+#include "collinea/base/sha256.h"
 #include "collinea/report/internal/page.h"
 #include "collinea/report/internal/report_json.h"
 
@@ -29,8 +30,14 @@ Result<> write_report(const ReportInput& input, const std::filesystem::path& fol
   const auto heights = preview(preview_of_heights, input.dsm, shown.findings);
   const auto image = preview(preview_of_image, input.ortho, shown.findings);
   const ReportSummary summary = summary_of(shown);
-  COLLINEA_TRY(write_file(folder / "report.json", report_json(shown, summary)));
-  return write_file(folder / "report.html", report_page(shown, summary, heights, image));
+  const std::pair<const char*, std::string> files[] = {{"report.html", report_page(shown, summary, heights, image)},
+                                                       {"report.json", report_json(shown, summary)}};
+  for (const auto& [name, text] : files) COLLINEA_TRY(write_file(folder / name, text));
+  if (!input.files) return {};
+  SignedFiles all = *input.files;
+  for (const auto& [name, text] : files)
+    all.files.push_back({FileRole::kReport, std::string("report/") + name, {}, text.size(), Sha256().add(text).hex()});
+  return write_file(folder / "hashes.json", signed_files_json(all));
 }
 
 }  // namespace collinea

@@ -9,7 +9,8 @@
 namespace collinea {
 
 /// Writes FOLDER/report.html (one file, no network needed, made to be printed) and FOLDER/report.json (the same figures
-/// for programs). The same input gives the same bytes. A preview that cannot be read becomes a finding. Errors: disk.
+/// for programs), and with ReportInput::files FOLDER/hashes.json: these and the two of the report. The same input gives
+/// the same bytes. A preview that cannot be read becomes a finding. Errors: disk.
 [[nodiscard]] Result<> write_report(const ReportInput& input, const std::filesystem::path& folder);
 
 }  // namespace collinea

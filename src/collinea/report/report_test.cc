@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "collinea/base/file.h"
+#include "collinea/base/sha256.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/raster/geotiff.h"
 #include "collinea/report/internal/coverage.h"
@@ -92,6 +93,60 @@ TEST_F(ReportTest, TheSameInputGivesTheSameBytes) {
   ASSERT_TRUE(write_report(input, folder_ / "b"));
   EXPECT_EQ(*read_file(folder_ / "a/report.html"), *read_file(folder_ / "b/report.html"));
   EXPECT_EQ(*read_file(folder_ / "a/report.json"), *read_file(folder_ / "b/report.json"));
+}
+
+TEST_F(ReportTest, TheSignatureBlockSaysWhoSignsAndWhat) {
+  ReportInput input = report_of_test_flight(2, 4, 200);
+  ASSERT_TRUE(write_report(input, folder_));
+  EXPECT_FALSE(contains(page(), "SHA-256"));
+  EXPECT_FALSE(fs::exists(folder_ / "hashes.json"));
+  input.signer = {"Anna <Rossi>", "Pavia 1234", "2026-05-01"};
+  input.files = SignedFiles{"0.1.0",
+                            42,
+                            {{FileRole::kImage, "a.jpg", "/photos", 3, Sha256().add("abc").hex()},
+                             {FileRole::kGiven, "control.csv", "/survey", 0, ""},
+                             {FileRole::kProduct, "products/ortho.tif", {}, 1, Sha256().add("o").hex()}}};
+  ASSERT_TRUE(write_report(input, folder_));
+  const std::string html = page();
+  for (const char* part : {"Anna &lt;Rossi&gt;", "Pavia 1234", "2026-05-01", "collinea 0.1.0, seed 42",
+                           "1 photograph and 1 other file, 1 of which could not be read", "1 file<br>"})
+    EXPECT_TRUE(contains(html, part)) << part;
+  const auto all = signed_files_of(*read_file(folder_ / "hashes.json"));
+  ASSERT_TRUE(all) << all.error().message;
+  for (const SignedPart part : {SignedPart::kInputs, SignedPart::kProducts}) {
+    EXPECT_TRUE(contains(html, digest_of(*input.files, part)));
+    EXPECT_EQ(digest_of(*all, part), digest_of(*input.files, part));
+  }
+  ASSERT_EQ(all->files.size(), 5u);
+  EXPECT_EQ(all->files[3].name, "report/report.html");
+  EXPECT_EQ(all->files[3].sha256, Sha256().add(html).hex());
+  EXPECT_EQ(figures()["signature"]["surveyor"], "Anna <Rossi>");
+  EXPECT_EQ(figures()["signature"]["products_sha256"], digest_of(*all, SignedPart::kProducts));
+}
+
+TEST_F(ReportTest, EveryImageCameraAndControlPointIsInTheFigures) {
+  ReportInput input = report_of_test_flight(2, 4, 200);
+  input.rotation_sigma_rad[{2}] = {0.001, 0.002, 0.003};
+  ASSERT_TRUE(write_report(input, folder_));
+  const auto json = figures();
+  const auto& image = json["image_list"][2];
+  EXPECT_EQ(image["file"], input.block.images.at({2}).file);
+  EXPECT_NEAR(image["centre_sigma_m"][1].get<double>(), 0.012, 1e-12);
+  EXPECT_NEAR(image["rotation_sigma_deg"][0].get<double>(), 0.001 * 180 / std::numbers::pi, 1e-12);
+  EXPECT_NEAR(image["position_difference_m"][0].get<double>(), input.positions[2].difference_m.x(), 1e-12);
+  EXPECT_TRUE(json["image_list"][1]["rotation_sigma_deg"].is_null());
+  std::size_t rays = 0;
+  double squares = 0;
+  for (const auto& one : json["image_list"]) {
+    rays += one["rays"].get<std::size_t>();
+    squares += one["rays"].get<double>() * std::pow(one["rms_px"].get<double>(), 2);
+  }
+  const auto& camera = json["cameras"][0];
+  EXPECT_EQ(camera["images"], 7);
+  EXPECT_EQ(camera["rays"], rays);
+  EXPECT_NEAR(camera["rms_px"].get<double>(), std::sqrt(squares / double(rays)), 1e-9);
+  EXPECT_NEAR(camera["parameters"]["f"]["sigma"].get<double>(), 0.41, 1e-12);
+  EXPECT_EQ(json["control_points"].size(), input.control.size());
 }
 
 TEST_F(ReportTest, AnEmptyProjectStillHasAReport) {

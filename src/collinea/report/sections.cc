@@ -122,10 +122,11 @@ std::string one_camera(const ReportInput& input, const ReportSummary& summary, C
   return html + "</div>\n";
 }
 
+// With a space that breaks no line.
 std::string bytes_text(double bytes) {
-  if (bytes >= 1e9) return fmt::format("{:.2f} GB", bytes / 1e9);
-  if (bytes >= 1e6) return fmt::format("{:.1f} MB", bytes / 1e6);
-  return fmt::format("{:.0f} kB", bytes / 1e3);
+  if (bytes >= 1e9) return fmt::format("{:.2f}\xc2\xa0GB", bytes / 1e9);
+  if (bytes >= 1e6) return fmt::format("{:.1f}\xc2\xa0MB", bytes / 1e6);
+  return fmt::format("{:.0f}\xc2\xa0kB", bytes / 1e3);
 }
 
 std::string name_value_table(const NamedValues& pairs, const char* title) {
@@ -155,7 +156,8 @@ std::string control_section(const ReportInput& input, const ReportSummary& summa
       "<th>east [{0}]</th><th>north [{0}]</th><th>height [{0}]</th><th>3D [{0}]</th>{1}<th>image [px]</th></tr></thead>"
       "<tbody>\n",
       summary.unit,
-      with_sigma ? fmt::format("<th>&sigma; east</th><th>&sigma; north</th><th>&sigma; height [{}]</th>", summary.unit)
+      with_sigma ? fmt::format("<th>&sigma; east [{0}]</th><th>&sigma; north [{0}]</th><th>&sigma; height [{0}]</th>",
+                               summary.unit)
                  : "");
   for (const bool used : {false, true})
     for (const ControlDifference& control : input.control)

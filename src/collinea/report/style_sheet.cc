@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collinea/report/internal/page.h"
+#include "collinea/report/internal/html_page.h"
 
 namespace collinea {
 
@@ -31,13 +31,18 @@ ul.cautions li { margin: 3px 0; }
 figure { margin: 12px 0; break-inside: avoid; }
 figcaption { color: var(--soft); font-size: 13px; max-width: 860px; }
 .pair { display: grid; grid-template-columns: 1fr 1fr; gap: 20px; align-items: start; }
+.pair > * { min-width: 0; }
 svg, img { max-width: 100%; height: auto; display: block; }
 .map svg { border: 1px solid var(--line); }
-table { border-collapse: collapse; width: 100%; font-size: 13.5px; margin: 8px 0; font-variant-numeric: tabular-nums; }
+table { border-collapse: collapse; width: 100%; font-size: 13.5px; font-variant-numeric: tabular-nums; }
 th { text-align: right; font-weight: 600; color: var(--soft); border-bottom: 1.5px solid var(--ink); padding: 4px 8px; vertical-align: bottom; }
-td { text-align: right; border-bottom: 1px solid var(--line); padding: 3px 8px; white-space: nowrap; }
+td { text-align: right; border-bottom: 1px solid var(--line); padding: 3px 8px; vertical-align: top; }
 th.l, td.l { text-align: left; }
-td.w { white-space: normal; overflow-wrap: anywhere; }
+td.l { overflow-wrap: break-word; }
+td.l:first-child, td.w { overflow-wrap: anywhere; min-width: 10em; }
+.table { overflow-x: auto; margin: 8px 0; }
+.pairs th, .pairs td { text-align: left; }
+.pairs td:first-child { width: 32%; color: var(--soft); }
 tr { break-inside: avoid; }
 thead { display: table-header-group; }
 tr.total td { border-top: 1.5px solid var(--ink); font-weight: 600; }
@@ -46,8 +51,11 @@ tr.out td { color: var(--soft); text-decoration: line-through; }
 tr.out td.l { text-decoration: none; }
 .meter { display: inline-block; width: 110px; height: 9px; background: var(--wash); vertical-align: middle; }
 .meter i { display: block; height: 100%; background: #7d9cc4; }
-.signature { display: flex; gap: 30px; margin-top: 26px; break-inside: avoid; }
-.signature div { flex: 1; border-top: 1px solid var(--ink); padding-top: 3px; color: var(--soft); font-size: 13px; margin-top: 34px; }
+.signed { break-inside: avoid; }
+.signature { display: flex; gap: 30px; margin-top: 8px; }
+.signature div { flex: 1; display: flex; flex-direction: column; justify-content: flex-end; min-height: 64px; font-weight: 600; }
+.signature span { border-top: 1px solid var(--ink); padding-top: 3px; color: var(--soft); font-size: 13px; font-weight: 400; }
+.hash { font-family: "Liberation Mono", "DejaVu Sans Mono", monospace; font-size: .92em; overflow-wrap: anywhere; }
 footer { margin-top: 40px; border-top: 1px solid var(--line); padding-top: 8px; color: var(--soft); font-size: 12.5px; }
 svg text { font: 12px "Segoe UI", "Helvetica Neue", Arial, "Liberation Sans", sans-serif; fill: var(--ink); }
 svg .halo { paint-order: stroke; stroke: #fff; stroke-width: 3px; font-weight: 600; }
@@ -90,14 +98,49 @@ svg path, svg polyline, svg polygon { stroke-linejoin: round; }
 .bar { fill: #7d9cc4; }
 .curve { fill: none; stroke: #1f5fa8; stroke-width: 2; }
 .curve.second { stroke: #c2410c; stroke-width: 1.6; stroke-dasharray: 6 4; }
-@media (max-width: 700px) { .pair { grid-template-columns: 1fr; } .facts .wide { grid-column: auto; } }
+@media (max-width: 700px) {
+  main { padding: 20px 14px 40px; }
+  header { display: block; }
+  header p { text-align: left; }
+  h1, h2, h3, p, li, dd, figcaption { overflow-wrap: anywhere; }
+  .pair { grid-template-columns: 1fr; }
+  .facts { grid-template-columns: repeat(auto-fit, minmax(150px, 1fr)); }
+  .facts .wide { grid-column: 1 / -1; }
+  .signature { display: block; }
+  .meter { width: 50px; }
+  .map { overflow-x: auto; }
+  .map svg { min-width: 560px; max-width: none; }
+  .pair .map svg { min-width: 0; max-width: 100%; }
+}
+@page {
+  size: A4;
+  margin: 15mm 14mm 18mm;
+  @bottom-left { color: #5b6778; font: 8pt "Liberation Sans", Arial, sans-serif; }
+  @bottom-right { content: counter(page) " / " counter(pages); color: #5b6778; font: 8pt "Liberation Sans", Arial, sans-serif; }
+}
+@page wide { size: A4 landscape; }
 @media print {
-  @page { size: A4; margin: 15mm 14mm; }
   body { font-size: 10.5pt; }
   main { padding: 0; max-width: none; }
+  h1, h2, h3, p, li, dd { overflow-wrap: anywhere; }
+  p, li { orphans: 3; widows: 3; }
+  .table { overflow: visible; }
   table { font-size: 8.8pt; }
+  .many table { font-size: 7pt; }
+  .many th, .many td { padding: 2px 3px; }
+  .many td.l:first-child { min-width: 8em; }
+  .crowd { page: wide; }
+  .crowd table { font-size: 4.2pt; }
+  .crowd th, .crowd td, .crowd td.l:first-child { padding: 1px; min-width: 0; }
+  figure > svg, figure > img { max-height: 118mm; }
+  section > svg { max-height: 80mm; width: auto; }
+  p + .table { break-before: avoid; }
+  .pair figure > svg, .pair figure > img { max-height: 62mm; width: auto; }
+  figure, .pair, ul.cautions li { break-inside: avoid; }
   figcaption, .facts dt { font-size: 8.5pt; }
   .facts { grid-template-columns: repeat(4, 1fr); gap: 0 18px; font-size: 9.5pt; }
+  .facts .wide { grid-column: span 2; }
+  .pair { grid-template-columns: 1fr 1fr; }
   h2 { margin-top: 22px; }
   .meter { width: 56px; }
   table.whole { break-inside: avoid; }

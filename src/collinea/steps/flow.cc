@@ -11,6 +11,7 @@
 #include "collinea/base/memory.h"
 #include "collinea/project/cost.h"
 #include "collinea/project/given_orientation.h"
+#include "collinea/report/signed_files.h"
 #include "collinea/report/step_words.h"
 
 namespace collinea {
@@ -60,7 +61,7 @@ const std::array<StepRow, std::size(kStepWords)>& steps() {
        report_step,
        {Step::kImport, Step::kDetect, Step::kMatch, Step::kOrient, Step::kAdjust, Step::kDensify, Step::kSurface,
         Step::kTerrain, Step::kOrtho},
-       {"report/report.html"},
+       {"report/report.html", kHashesFile},
        /*reads_setup=*/true,
        /*reads_sources=*/true},
   }};

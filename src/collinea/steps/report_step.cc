@@ -3,6 +3,7 @@
 
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/report/report.h"
+#include "collinea/steps/internal/files_to_sign.h"
 #include "collinea/steps/step.h"
 
 namespace collinea {
@@ -81,6 +82,9 @@ Result<StepOutput> report_step(Project& project, const std::string& inputs_hash)
   }
   input.options = chosen_options(project.settings);
   input.versions.emplace_back("collinea", COLLINEA_VERSION);
+  input.signer = project.settings.report;
+  input.files = SignedFiles{COLLINEA_VERSION, project.settings.seed, files_to_sign(project, setup)};
+  COLLINEA_TRY(hash_files(project.folder, input.files->files, project.run));
   COLLINEA_TRY(write_report(input, project.folder / "report"));
   return StepOutput{inputs_hash, ReportRecord{"report/report.html"}};
 }

@@ -29,6 +29,9 @@ namespace collinea {
 /// Additional parameters of cameras: which are significant, which are alike, which to drop.
 [[nodiscard]] std::string additional_section(const AdjustmentReport& report);
 [[nodiscard]] nlohmann::ordered_json additional_json(const AdjustmentReport& report);
+/// What is observed and unknown, by kind; redundancy by the number of rays and over the block.
+[[nodiscard]] std::string network_section(const AdjustmentReport& report);
+[[nodiscard]] nlohmann::ordered_json network_json(const AdjustmentReport& report);
 [[nodiscard]] std::string rejected_csv(const Snooped& snooped);
 
 }  // namespace collinea

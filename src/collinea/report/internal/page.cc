@@ -187,14 +187,7 @@ std::string residual_section(const ReportSummary& s) {
 
 std::string report_page(const ReportInput& input, const ReportSummary& s, const std::optional<Preview>& heights,
                         const std::optional<Preview>& ortho) {
-  const std::string title = escaped(input.title.empty() ? "Project" : input.title);
-  std::string html =
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + title +
-      ": quality report</title>\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<style>" +
-      kStyleSheet + "</style></head>\n<body><main>\n";
-  html += "<header><div><h1>" + title + "</h1>Quality report</div><p>collinea " COLLINEA_VERSION +
-          (input.date.empty() ? "" : "<br>" + escaped(input.date)) + "</p></header>\n";
-  html += statement_section(input, s);
+  std::string html = statement_section(input, s);
   html += facts_section(input, s);
   html += products_images(heights, ortho, s.unit);
   html += geometry_section(input, s);
@@ -206,9 +199,10 @@ std::string report_page(const ReportInput& input, const ReportSummary& s, const 
   html += image_section(input, s);
   html += left_out_section(input, s);
   html += process_section(input);
-  html += "<div class=\"signature\"><div>Surveyor</div><div>Date</div><div>Signature</div></div>\n";
+  html += signature_section(input);
   html += "<footer>All figures are also in report.json.</footer>\n";
-  return html + "</main></body></html>\n";
+  return whole_page({input.title.empty() ? "Project" : input.title, "quality report", "Quality report", input.date},
+                    html);
 }
 
 }  // namespace collinea

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "collinea/report/internal/figures.h"
+#include "collinea/report/internal/html_page.h"
 #include "collinea/report/internal/summary.h"
 
 namespace collinea {
@@ -21,8 +22,6 @@ namespace collinea {
 [[nodiscard]] std::string image_section(const ReportInput& input, const ReportSummary& summary);
 [[nodiscard]] std::string left_out_section(const ReportInput& input, const ReportSummary& summary);
 [[nodiscard]] std::string process_section(const ReportInput& input);
-
-/// The looks of the page.
-extern const char* const kStyleSheet;
+[[nodiscard]] std::string signature_section(const ReportInput& input);
 
 }  // namespace collinea

@@ -15,6 +15,8 @@
 #include "collinea/block/block.h"
 #include "collinea/block/gauge.h"
 #include "collinea/report/product_words.h"
+#include "collinea/report/report_options.h"
+#include "collinea/report/signed_files.h"
 #include "collinea/store/project_store.h"
 
 namespace collinea {
@@ -43,8 +45,9 @@ struct ReportInput {
   Block block;                               ///< as adjusted
   std::map<CameraId, Camera> first_cameras;  ///< before the adjustment
   std::map<CameraId, std::array<double, Camera::kAllParams>>
-      camera_sigma;                                   ///< of Camera::params; 0 or NaN: fixed or unknown
-  std::map<ImageId, Eigen::Vector3d> centre_sigma_m;  ///< of projection centres: east, north, up
+      camera_sigma;                                       ///< of Camera::params; 0 or NaN: fixed or unknown
+  std::map<ImageId, Eigen::Vector3d> centre_sigma_m;      ///< of projection centres: east, north, up
+  std::map<ImageId, Eigen::Vector3d> rotation_sigma_rad;  ///< of small rotations about the axes of the world
   std::vector<ControlDifference> control;
   std::vector<PositionDifference> positions;
   std::vector<GeodeticDifference> geodetic;
@@ -63,6 +66,8 @@ struct ReportInput {
   std::filesystem::path dsm, ortho;    ///< GeoTIFFs to show; empty: none
   std::optional<NamedValues> options;  ///< those that were chosen; nothing: not known
   NamedValues versions;                ///< program and libraries
+  ReportOptions signer;                ///< who signs
+  std::optional<SignedFiles> files;    ///< what the signature stands for; nothing: not known
 };
 
 }  // namespace collinea

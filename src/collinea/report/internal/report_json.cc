@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/report/internal/report_json.h"
 
+#include <numbers>
+
 #include "collinea/block/geodetic_words.h"
 #include "collinea/report/internal/cells.h"
+#include "collinea/report/internal/details.h"
 #include "collinea/report/internal/finding_json.h"
 #include "collinea/report/json_values.h"
 #include "collinea/report/step_figures.h"
@@ -24,64 +27,61 @@ json rms(const AxisRms& rms) {
           {"spatial", optional(rms.spatial_m)}};
 }
 
-json cameras(const ReportInput& input) {
-  json list = json::array();
-  for (const auto& [id, camera] : input.block.cameras) {
-    json entry = {{"name", camera.name},
-                  {"width_px", camera.width_px},
-                  {"height_px", camera.height_px},
-                  {"source", words_of(camera.prior.source)},
-                  {"calibrated", camera.prior.calibrate}};
-    const auto first = input.first_cameras.find(id);
-    const auto sigma = input.camera_sigma.find(id);
-    if (!is<Brown>(camera.model)) entry["model"] = name_of(camera.model);
-    if (camera.additional != AdditionalSet::kNone)
-      entry["additional"] = kAdditionalNames[std::size_t(camera.additional)];
-    for (const int param : params_of(camera)) {
-      const auto i = std::size_t(param);
-      json value = {{"value", number(camera.params[i])}, {"unit", param_unit(param)}};
-      if (first != input.first_cameras.end()) value["before"] = number(first->second.params[i]);
-      if (sigma != input.camera_sigma.end()) value["sigma"] = number(sigma->second[i]);
-      entry["parameters"][param_name(param)] = value;
-    }
-    list.push_back(entry);
+std::vector<ImageDetail> image_details(const ReportInput& input, const ReportSummary& summary) {
+  std::map<ImageId, const PositionDifference*> positions;
+  for (const PositionDifference& position : input.positions) positions[position.image] = &position;
+  std::vector<ImageDetail> details;
+  for (const ImageResiduals& residuals : summary.residuals.images) {
+    ImageDetail& one = details.emplace_back();
+    one.image = residuals.image;
+    one.rays = std::size_t(residuals.observations);
+    one.rms_px = residuals.rms_px;
+    one.centre_in_world = centre_of(pose_of(input.block, one.image));
+    if (const auto sigma = input.centre_sigma_m.find(one.image); sigma != input.centre_sigma_m.end())
+      one.centre_sigma_m = sigma->second;
+    if (const auto sigma = input.rotation_sigma_rad.find(one.image); sigma != input.rotation_sigma_rad.end())
+      one.rotation_sigma_deg = 180 / std::numbers::pi * sigma->second;
+    if (const auto position = positions.find(one.image); position != positions.end()) one.position = position->second;
   }
-  return list;
+  return details;
 }
 
 json images(const ReportInput& input, const ReportSummary& summary) {
-  std::map<ImageId, const PositionDifference*> positions;
-  for (const PositionDifference& position : input.positions) positions[position.image] = &position;
   json list = json::array();
-  for (const ImageResiduals& residuals : summary.residuals.images) {
-    const ImageId id = residuals.image;
-    json entry = {{"file", input.block.images.at(id).file},
-                  {"observations", residuals.observations},
-                  {"rms_px", number(residuals.rms_px)},
-                  {"centre_in_world", vector(centre_of(pose_of(input.block, id)))}};
-    if (const auto sigma = input.centre_sigma_m.find(id); sigma != input.centre_sigma_m.end())
-      entry["centre_sigma_m"] = vector(sigma->second);
-    if (const auto position = positions.find(id); position != positions.end()) {
-      entry["position_difference_m"] = vector(position->second->difference_m);
-      entry["position_weight"] = number(position->second->weight);
-    }
-    list.push_back(entry);
+  for (const ImageDetail& image : image_details(input, summary)) list.push_back(json_of(image, input.block));
+  return list;
+}
+
+json cameras(const ReportInput& input, const ReportSummary& summary) {
+  std::map<CameraId, CameraDetail> details = by_camera(image_details(input, summary), input.block);
+  json list = json::array();
+  for (const auto& [id, camera] : input.block.cameras) {
+    CameraDetail& one = details[id];
+    one.camera = id;
+    if (const auto first = input.first_cameras.find(id); first != input.first_cameras.end())
+      one.before = &first->second;
+    if (const auto sigma = input.camera_sigma.find(id); sigma != input.camera_sigma.end())
+      one.sigma.assign(sigma->second.begin(), sigma->second.end());
+    list.push_back(json_of(one, input.block));
   }
   return list;
 }
 
 json control(const ReportInput& input) {
   json list = json::array();
-  for (const ControlDifference& control : input.control)
-    list.push_back({{"name", input.block.control.at(control.point).name},
-                    {"role", control.excluded ? "excluded"
-                             : control.used   ? "control"
-                                              : "check"},
-                    {"images", control.rays},
-                    {"difference_m", vector(control.difference_m)},
-                    {"sigma_m", vector(control.difference_sigma_m)},
-                    {"rms_px", number(control_rms_px(input.block, control))}});
+  for (const ControlDifference& one : input.control) list.push_back(json_of(one, input.block));
   return list;
+}
+
+json signature(const ReportInput& input) {
+  json one = {
+      {"surveyor", input.signer.surveyor}, {"licence", input.signer.licence}, {"signed_on", input.signer.signed_on}};
+  if (!input.files) return one;
+  one["collinea"] = input.files->version;
+  one["seed"] = input.files->seed;
+  one["inputs_sha256"] = digest_of(*input.files, SignedPart::kInputs);
+  one["products_sha256"] = digest_of(*input.files, SignedPart::kProducts);
+  return one;
 }
 
 json geodetic_json(const ReportInput& input) {
@@ -173,13 +173,14 @@ std::string report_json(const ReportInput& input, const ReportSummary& s) {
                        {"residuals", residual_figures(s.residuals)},
                        {"control_points", control(input)},
                        {"geodetic", geodetic_json(input)},
-                       {"cameras", cameras(input)},
+                       {"cameras", cameras(input, s)},
                        {"image_list", images(input, s)},
                        {"left_out", left_out(input, s)},
                        {"products", products},
                        {"steps", steps(input)},
                        {"options", pairs(chosen_options(input))},
-                       {"versions", pairs(input.versions)}};
+                       {"versions", pairs(input.versions)},
+                       {"signature", signature(input)}};
   return report.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
 }
 
