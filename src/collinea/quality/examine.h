@@ -13,6 +13,7 @@
 #include "collinea/quality/internal/point_precision.h"
 #include "collinea/quality/internal/reliability.h"
 #include "collinea/quality/internal/weakness.h"
+#include "collinea/quality/systematics.h"
 
 namespace collinea {
 
@@ -23,6 +24,7 @@ struct ExamineOptions {
   bool point_covariances = false;
   bool reliability = false;  ///< test every observation for a gross error, and say what would be found
   TestOptions test;          ///< how
+  SystematicOptions systematics;  ///< errors that many observations have in common
 };
 
 /// An adjustment with what is known of its quality. Covariances are by the given sigmas (times sigma_scale()^2 when
@@ -40,6 +42,7 @@ struct Examined : Adjusted {
   Conditioning conditioning;
   std::vector<Finding> weaknesses;         ///< none: everything is well determined
   std::optional<Reliability> reliability;  ///< when asked for
+  std::vector<SystematicTest> systematics;  ///< when asked for
 };
 
 /// Examines an adjusted block: covariances, conditioning, weaknesses and, when asked for, reliability (see the headers
@@ -56,7 +59,8 @@ struct Examined : Adjusted {
 ///     for (const TestedObservation& one : examined.reliability->suspects) ...
 ///
 /// Tests of single observations ask for AdjustOptions::settle_points. Cost: one factor and its selected inverse, at
-/// most some forty solutions with that factor, three for each control point, and a small system for each tie point.
+/// most some forty solutions with that factor, three for each control point, and a small system for each tie point; for
+/// systematic errors one more pass over the rays and some sixty solutions.
 /// Errors: kBadInput (options), kCancelled.
 [[nodiscard]] Result<Examined> examine(Solved solved, const ExamineOptions& options, const Run& run);
 

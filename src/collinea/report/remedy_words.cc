@@ -75,6 +75,8 @@ constexpr Phrase kPhrases[] = {
     {R::kFolderOfEachFlight,
      "keep the images of each flight in a folder that is called like the beginning of the file's name"},
     {R::kSeeAdjustment, "see the report of an adjustment for which, and how alike they are"},
+    {R::kLookForNames, "look whether names of images and their positions belong together"},
+    {R::kLookForDatum, "look what the heights of positions and of control count from"},
 };
 static_assert(is_in_order(kPhrases, kRemedyCodes, &Phrase::code));
 
