@@ -22,8 +22,8 @@ namespace collinea {
 struct ExamineOptions {
   AdjustOptions adjust;
   bool point_covariances = false;
-  bool reliability = false;  ///< test every observation for a gross error, and say what would be found
-  TestOptions test;          ///< how
+  bool reliability = false;       ///< test every observation for a gross error, and say what would be found
+  TestOptions test;               ///< how
   SystematicOptions systematics;  ///< errors that many observations have in common
 };
 
@@ -40,8 +40,8 @@ struct Examined : Adjusted {
   std::vector<Finding> inseparable;  ///< pairs of unknowns that hardly differ in what they do (correlation beyond 0.99)
   std::optional<Finding> undetermined;  ///< what is not determined; nothing when everything is
   Conditioning conditioning;
-  std::vector<Finding> weaknesses;         ///< none: everything is well determined
-  std::optional<Reliability> reliability;  ///< when asked for
+  std::vector<Finding> weaknesses;          ///< none: everything is well determined
+  std::optional<Reliability> reliability;   ///< when asked for
   std::vector<SystematicTest> systematics;  ///< when asked for
 };
 

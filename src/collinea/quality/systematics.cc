@@ -25,8 +25,8 @@ bool is_given(const SystematicTest& test, const InstrumentOptions& options) {
 
 // It can be taken up, and nothing but what cannot be told from it explains it.
 bool can_be_taken_up(const SystematicTest& test, const InstrumentOptions& options) {
-  const bool stands = !test.explained_by || std::ranges::find(test.indistinguishable, *test.explained_by) !=
-                                                test.indistinguishable.end();
+  const bool stands = !test.explained_by ||
+                      std::ranges::find(test.indistinguishable, *test.explained_by) != test.indistinguishable.end();
   return is_of_instrument(test) && test.determined && test.p_value < kTakenUpBelow && test.significant && stands &&
          !is_given(test, options);
 }

@@ -27,11 +27,11 @@ enum class SystematicKind : std::uint8_t {
   kBoresight,      ///< rotation between the attitudes that are given and a camera, about its axes [rad]
   kVerticalDatum,  ///< heights of positions count from elsewhere than those of control [m]
   kAssignment,     ///< positions belong to the next (the value is near 1) or previous (near -1) image of the flight [1]
-  kBowl,           ///< heights of the block against given ones, over the squared distance from its middle: at its rim [m]
-  kAffinity,       ///< b1, b2 of a camera: scale of its columns and shear [px]
-  kAdditional,     ///< a set of additional parameters of a camera [px]
-  kRollingShutter, ///< rows of a camera are read one after another while it flies: readout time of an image [s]
-  kRefraction,     ///< share of the bend of rays in a standard atmosphere that the measurements still have [1]
+  kBowl,        ///< heights of the block against given ones, over the squared distance from its middle: at its rim [m]
+  kAffinity,    ///< b1, b2 of a camera: scale of its columns and shear [px]
+  kAdditional,  ///< a set of additional parameters of a camera [px]
+  kRollingShutter,  ///< rows of a camera are read one after another while it flies: readout time of an image [s]
+  kRefraction,      ///< share of the bend of rays in a standard atmosphere that the measurements still have [1]
 };
 inline constexpr Word<SystematicKind> kSystematicKindWords[] = {{SystematicKind::kTimeOffset, "time_offset"},
                                                                 {SystematicKind::kLeverArm, "lever_arm"},
@@ -58,31 +58,31 @@ inline constexpr Word<Systematics> kSystematicsWords[] = {
 /// What is looked for, and what is known of the flight.
 struct SystematicOptions {
   bool test = false;
-  double level = 0.001;  ///< chance that any hypothesis is called significant in a block without systematic errors
+  double level = 0.001;       ///< chance that any hypothesis is called significant in a block without systematic errors
   bool sigma0_known = false;  ///< the sigmas of image points are true; otherwise sigma0 multiplies them
   std::vector<std::map<ImageId, double>> strips;  ///< in the order flown, each image with its time; see flight_strips()
   std::map<ImageId, Eigen::Vector3d> velocity_m_s;  ///< of the antenna through the world; see flight_velocities()
-  bool refraction_corrected = false;  ///< measurements are free of refraction (adjust/refraction.h)
+  bool refraction_corrected = false;                ///< measurements are free of refraction (adjust/refraction.h)
 };
 
 /// The outcome for one hypothesis.
 struct SystematicTest {
   SystematicKind kind{};
-  std::optional<CameraId> camera;   ///< whose it is; nothing: of all
-  std::optional<int> strip;         ///< number in SystematicOptions::strips; nothing: the whole flight
+  std::optional<CameraId> camera;                   ///< whose it is; nothing: of all
+  std::optional<int> strip;                         ///< number in SystematicOptions::strips; nothing: the whole flight
   AdditionalSet additional = AdditionalSet::kNone;  ///< of kAdditional
-  std::vector<double> values;       ///< estimates, as if this were the only systematic error
-  std::vector<double> sigmas;       ///< their standard deviations; infinite for what is not determined
-  std::string_view unit;            ///< of both
-  double statistic = 0;             ///< chi-squared if there is no such error
-  int degrees = 0;                  ///< its degrees of freedom: parameters that are determined
-  double p_value = 1;               ///< chance of a statistic as large by accident
-  double p_corrected = 1;           ///< the same, for the number of hypotheses (Holm 1979)
-  double largest_effect = 0;        ///< on what is observed
-  std::string_view effect_unit;     ///< "m" at positions and control, "px" in images, "rad" of attitudes
-  double ground_change_m = 0;       ///< by how much the points would move, at most, if it were estimated
-  bool determined = false;          ///< all parameters are
-  bool significant = false;         ///< p_corrected is below the level
+  std::vector<double> values;                       ///< estimates, as if this were the only systematic error
+  std::vector<double> sigmas;                       ///< their standard deviations; infinite for what is not determined
+  std::string_view unit;                            ///< of both
+  double statistic = 0;                             ///< chi-squared if there is no such error
+  int degrees = 0;                                  ///< its degrees of freedom: parameters that are determined
+  double p_value = 1;                               ///< chance of a statistic as large by accident
+  double p_corrected = 1;                           ///< the same, for the number of hypotheses (Holm 1979)
+  double largest_effect = 0;                        ///< on what is observed
+  std::string_view effect_unit;  ///< "m" at positions and control, "px" in images, "rad" of attitudes
+  double ground_change_m = 0;    ///< by how much the points would move, at most, if it were estimated
+  bool determined = false;       ///< all parameters are
+  bool significant = false;      ///< p_corrected is below the level
   /// Test with the strongest evidence that leaves nothing significant of this one: this is probably its shadow. Nothing
   /// when it stands for itself.
   std::optional<std::size_t> explained_by;

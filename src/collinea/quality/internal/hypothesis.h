@@ -49,16 +49,16 @@ class PixelFunctions {
   int count_;
 };
 
-/// Columns of hypotheses about one camera in its images: first those of PixelFunctions (columns, rows), then that of the
-/// rolling shutter.
+/// Columns of hypotheses about one camera in its images: first those of PixelFunctions (columns, rows), then that of
+/// the rolling shutter.
 struct CameraColumns {
   int camera;  ///< index in Problem::cameras
   int first;   ///< number of its first column
   ImageExtent size;
 };
 
-/// All columns in their order: those of positions and attitudes, of each camera, of refraction, of the bowl and last the
-/// residual, which is treated as one of them.
+/// All columns in their order: those of positions and attitudes, of each camera, of refraction, of the bowl and last
+/// the residual, which is treated as one of them.
 struct HypothesisColumns {
   HypothesisColumns(const Solved& solved, const SystematicOptions& options);
 
@@ -70,10 +70,10 @@ struct HypothesisColumns {
 
   /// Non-zero derivatives of one coordinate of an item of Problem::positions or of Problem::attitudes.
   [[nodiscard]] const std::vector<ColumnPart>& of_position(std::size_t item, int axis) const {
-    return positions_[item][static_cast<std::size_t>(axis)];
+    return positions[item][static_cast<std::size_t>(axis)];
   }
   [[nodiscard]] const std::vector<ColumnPart>& of_attitude(std::size_t item, int axis) const {
-    return attitudes_[item][static_cast<std::size_t>(axis)];
+    return attitudes[item][static_cast<std::size_t>(axis)];
   }
   /// Relative height of the bowl at a position of the world.
   [[nodiscard]] double bowl_at(const Eigen::Vector3d& position) const;
@@ -88,12 +88,9 @@ struct HypothesisColumns {
   std::vector<Eigen::Vector3d> velocity;   ///< of each image of the problem, zero where not known [m/s or m/interval]
   std::vector<double> raise_per_square_m;  ///< refraction raises a point by this times its squared distance; by image
   bool has_bowl = false;
-
- private:
-  friend class HypothesisLayout;
-  std::vector<std::array<std::vector<ColumnPart>, 3>> positions_, attitudes_;
-  Eigen::Vector2d middle_ = Eigen::Vector2d::Zero();
-  double radius_m_ = 1;
+  Eigen::Vector2d bowl_middle = Eigen::Vector2d::Zero();
+  double bowl_radius_m = 1;
+  std::vector<std::array<std::vector<ColumnPart>, 3>> positions, attitudes;  ///< parallel to those of the problem
 };
 
 }  // namespace collinea::bundle

@@ -10,7 +10,7 @@ namespace collinea::bundle {
 namespace {
 
 constexpr std::array<std::array<int, 2>, 4> kWaves = {{{1, 0}, {0, 1}, {1, -1}, {1, 1}}};
-constexpr int kGrid = 13;           // positions on a side on which a set is fitted by the functions
+constexpr int kGrid = 13;          // positions on a side on which a set is fitted by the functions
 constexpr double kSpanned = 1e-9;  // [px] of one
 
 }  // namespace

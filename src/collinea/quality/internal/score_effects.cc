@@ -89,7 +89,7 @@ void ScoreTests::measure_effects(const Run& run) {
     SystematicTest& test = tests_[static_cast<std::size_t>(t)];
     for (Eigen::Index k = 0; k < pixels.rows(); ++k)
       test.ground_change_m = std::max(test.ground_change_m, moves.block<3, 1>(3 * k, t).norm());
-    test.largest_effect = test.effect_unit == "px"                   ? (pixels.rows() > 0 ? pixels.col(t).maxCoeff() : 0)
+    test.largest_effect = test.effect_unit == "px"             ? (pixels.rows() > 0 ? pixels.col(t).maxCoeff() : 0)
                           : test.kind == SystematicKind::kBowl ? std::abs(test.values[0])
                                                                : largest_at_given(by_column.col(t));
   }

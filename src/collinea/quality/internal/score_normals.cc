@@ -47,7 +47,8 @@ template <class Kind, class Visit>
 void for_each_numbered_row(const Problem& problem, const State& state, Visit&& visit) {
   for_each_row<Kind>(problem, state, [&](const auto& item, int axis, const ObservationRow& row) {
     std::size_t number = 0;
-    if constexpr (std::is_same_v<Kind, GnssPosition>) number = static_cast<std::size_t>(&item - problem.positions.data());
+    if constexpr (std::is_same_v<Kind, GnssPosition>)
+      number = static_cast<std::size_t>(&item - problem.positions.data());
     if constexpr (std::is_same_v<Kind, Attitude>) number = static_cast<std::size_t>(&item - problem.attitudes.data());
     visit(number, axis, row);
   });
@@ -73,13 +74,12 @@ struct ScoreNormals::RayColumns {
   void add_to(double* row, double a, double b) const {
     add_times(row + first, phi, a, functions);
     add_times(row + first + functions, phi, b, functions);
-    for (int k = 0; k < other_count; ++k)
-      row[others[k].column] += a * others[k].value[0] + b * others[k].value[1];
+    for (int k = 0; k < other_count; ++k) row[others[k].column] += a * others[k].value[0] + b * others[k].value[1];
   }
 };
 
 struct ScoreNormals::Chunk {
-  RowMajorMatrix right, gram;         // of the columns of images
+  RowMajorMatrix right, gram;              // of the columns of images
   std::vector<Eigen::MatrixXd> functions;  // of each slot: squares of the functions alone
   // Of the point in work:
   std::vector<RayColumns> rays;
@@ -170,8 +170,8 @@ void ScoreNormals::add_ray(Chunk& chunk, const RayColumns& ray, int image) const
     Eigen::MatrixXd& squares = chunk.functions[static_cast<std::size_t>(ray.slot)];
     for (int k = 0; k < n; ++k) add_times(squares.data() + k * n, ray.phi, ray.phi[k], n);
   }
-  for (int k = 0; k < ray.other_count; ++k) ray.add_to(chunk.gram.row(ray.others[k].column).data(),
-                                                       ray.others[k].value[0], ray.others[k].value[1]);
+  for (int k = 0; k < ray.other_count; ++k)
+    ray.add_to(chunk.gram.row(ray.others[k].column).data(), ray.others[k].value[0], ray.others[k].value[1]);
   // A' P H of pose, camera and point.
   if (image < problem_.poses)
     for (int c = 0; c < 3; ++c) {
@@ -180,8 +180,7 @@ void ScoreNormals::add_ray(Chunk& chunk, const RayColumns& ray, int image) const
     }
   for (int k = 0; k < ray.camera_unknowns; ++k)
     ray.add_to(chunk.right.row(ray.first_camera + k).data(), ray.by_camera[k], ray.by_camera[ray.camera_unknowns + k]);
-  for (int c = 0; c < 3; ++c)
-    ray.add_to(chunk.by_point.row(c).data(), linear.by_point[c], linear.by_point[3 + c]);
+  for (int c = 0; c < 3; ++c) ray.add_to(chunk.by_point.row(c).data(), linear.by_point[c], linear.by_point[3 + c]);
 }
 
 void ScoreNormals::add_point(Chunk& chunk, std::size_t p) const {
@@ -222,9 +221,8 @@ void ScoreNormals::add_control(Chunk& chunk, std::size_t p, PointNormals& normal
   const Eigen::Matrix3d weight = control.weight();
   Eigen::Vector3d residual;
   for (int c = 0; c < 3; ++c) residual[c] = weight(c, c) > 0 ? control.given[c] - position[c] : 0;
-  const double bowl = columns_.has_bowl && weight(2, 2) > 0
-                          ? columns_.bowl_at(Eigen::Map<const Eigen::Vector3d>(position))
-                          : 0;
+  const double bowl =
+      columns_.has_bowl && weight(2, 2) > 0 ? columns_.bowl_at(Eigen::Map<const Eigen::Vector3d>(position)) : 0;
   const int b = columns_.bowl() - first_, v = columns_.residual() - first_;
   const Eigen::Vector3d weighted = weight * residual;
   chunk.by_point.col(b) += bowl * weight.col(2);
@@ -287,7 +285,8 @@ void ScoreNormals::add_given_kind() {
         for (const RowPart& by : row.derivatives)
           right_(by.row, part.column) += weight * by.derivative * part.derivative;
         for (const ColumnPart& other : parts)
-          if (other.column <= part.column) gram_(part.column, other.column) += weight * part.derivative * other.derivative;
+          if (other.column <= part.column)
+            gram_(part.column, other.column) += weight * part.derivative * other.derivative;
         gram_(columns_.residual(), part.column) += weight * part.derivative * row.residual;
       }
     });
@@ -345,8 +344,7 @@ void ScoreNormals::add_control_residuals() {
     if (point.is_fixed || weight.isZero(0)) return;
     const double* position = &state_.points[3 * p];
     Eigen::MatrixXd left = Eigen::MatrixXd::Zero(3, columns_.count());
-    for (int c = 0; c < 3; ++c)
-      left(c, columns_.residual()) = weight(c, c) > 0 ? control.given[c] - position[c] : 0;
+    for (int c = 0; c < 3; ++c) left(c, columns_.residual()) = weight(c, c) > 0 ? control.given[c] - position[c] : 0;
     if (columns_.has_bowl) left(2, columns_.bowl()) = columns_.bowl_at(Eigen::Map<const Eigen::Vector3d>(position));
     if (point.first_retained >= 0) {
       left -= solution_.middleRows<3>(6 * problem_.poses + point.first_retained);

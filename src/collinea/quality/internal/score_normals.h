@@ -20,7 +20,8 @@ using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eig
 ///
 /// by one pass over the rays, in which every point is eliminated as in the adjustment (Normals), and one solution with
 /// its factor for each column. P has the weights of the robust losses, as covariances have. The last column of gram is
-/// H' P v without what a step of the adjustment that was left out would change: iterations need not have gone to the end.
+/// H' P v without what a step of the adjustment that was left out would change: iterations need not have gone to the
+/// end.
 class ScoreNormals {
  public:
   ScoreNormals(const Solved& solved, const HypothesisColumns& columns, const TileCholesky& factor, const Run& run);

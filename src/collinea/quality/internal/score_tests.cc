@@ -14,12 +14,12 @@
 namespace collinea::bundle {
 namespace {
 
-constexpr double kDetermined = 1e-7;        // part of H'P H that is left after the adjustment
-constexpr double kSeparable = 1e-4;         // the same of a hypothesis beside others
-constexpr double kUndeterminedShare = 1e-6; // of a parameter in directions that are not determined
-constexpr double kContradicted = 0.01;      // chance of residuals of positions as large by their sigmas
-constexpr double kAlike = 0.95;             // correlation
-constexpr double kNearOne = 0.3;            // of an assignment, or four sigmas
+constexpr double kDetermined = 1e-7;         // part of H'P H that is left after the adjustment
+constexpr double kSeparable = 1e-4;          // the same of a hypothesis beside others
+constexpr double kUndeterminedShare = 1e-6;  // of a parameter in directions that are not determined
+constexpr double kContradicted = 0.01;       // chance of residuals of positions as large by their sigmas
+constexpr double kAlike = 0.95;              // correlation
+constexpr double kNearOne = 0.3;             // of an assignment, or four sigmas
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Wilson and Hilferty (1931): chi-squared as a normal variable.
@@ -75,13 +75,13 @@ void ScoreTests::scale(Fit& fit) const {
   const double freedom = of_positions_ - rank;
   if (!(freedom >= 1)) return;
   const Eigen::VectorXd& d = fit.by_column;
-  const double squares = normals_.of_positions()(v, v) - 2 * d.dot(normals_.of_positions().col(v)) +
-                         d.dot(normals_.of_positions() * d);
+  const double squares =
+      normals_.of_positions()(v, v) - 2 * d.dot(normals_.of_positions().col(v)) + d.dot(normals_.of_positions() * d);
   if (!(squares > freedom) || fisher_tail(squares / freedom, freedom, kInfinity) > kContradicted) return;
   fit.position_variance = squares / freedom;
   const Eigen::MatrixXd whole = variance(fit, fit.basis);
-  const double share = (fit.position_variance * whole.ldlt().solve(fit.basis.transpose() * normals_.of_positions() *
-                                                                   fit.basis)).trace();
+  const double share =
+      (fit.position_variance * whole.ldlt().solve(fit.basis.transpose() * normals_.of_positions() * fit.basis)).trace();
   if (share > 0.5 * rank) fit.freedom = freedom;
 }
 
@@ -135,8 +135,7 @@ ScoreTests::Scores ScoreTests::score_given(const Fit& fit, const std::vector<con
     joint.freedom = std::min(joint.freedom, other->freedom);
   }
   const Eigen::MatrixXd by = all.transpose() * normals_.gram();
-  const Eigen::MatrixXd basis =
-      fit.basis - all * (by * all).completeOrthogonalDecomposition().solve(by * fit.basis);
+  const Eigen::MatrixXd basis = fit.basis - all * (by * all).completeOrthogonalDecomposition().solve(by * fit.basis);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(basis.transpose() * normals_.gram() * basis);
   Eigen::Index lost = 0;
   while (lost < eigen.eigenvalues().size() && !(eigen.eigenvalues()[lost] > kSeparable)) ++lost;
@@ -145,11 +144,10 @@ ScoreTests::Scores ScoreTests::score_given(const Fit& fit, const std::vector<con
 
 void ScoreTests::count_redundancy(TileCholesky& inverse) {
   of_positions_ = 0;
-  for_each_row<GnssPosition>(
-      solved_.problem(), solved_.state(), [&](const auto&, int, const ObservationRow& row) {
-        const double weight = row.weight * row.inverse_sigma * row.inverse_sigma;
-        of_positions_ += 1 - weight * variance_of(row.derivatives, inverse);
-      });
+  for_each_row<GnssPosition>(solved_.problem(), solved_.state(), [&](const auto&, int, const ObservationRow& row) {
+    const double weight = row.weight * row.inverse_sigma * row.inverse_sigma;
+    of_positions_ += 1 - weight * variance_of(row.derivatives, inverse);
+  });
 }
 
 // Both directions are one hypothesis, of which the value has to be a whole image.
@@ -190,7 +188,8 @@ bool ScoreTests::are_alike(std::size_t a, std::size_t b, double level) const {
   return score_given(x, {&y}).p_value > level && score_given(y, {&x}).p_value > level;
 }
 
-// Forward selection: the strongest stands for itself; of the others the strongest that it leaves significant, and so on.
+// Forward selection: the strongest stands for itself; of the others the strongest that it leaves significant, and so
+// on.
 void ScoreTests::group(double level) {
   std::vector<std::size_t> left, leaders;
   std::vector<const Fit*> fitted;
@@ -202,8 +201,8 @@ void ScoreTests::group(double level) {
     double strongest = -kInfinity;
     std::vector<std::size_t> still;
     for (const std::size_t i : left) {
-      const Scores scores = leaders.empty() ? Scores{.p_value = 0, .strength = fits_[i].strength}
-                                            : score_given(fits_[i], fitted);
+      const Scores scores =
+          leaders.empty() ? Scores{.p_value = 0, .strength = fits_[i].strength} : score_given(fits_[i], fitted);
       if (scores.p_value > single) {
         const auto leaves = [&](std::size_t leader) { return score_given(fits_[i], {&fits_[leader]}).strength; };
         tests_[i].explained_by = *std::ranges::min_element(leaders, {}, leaves);

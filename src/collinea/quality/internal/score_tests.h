@@ -9,16 +9,16 @@ namespace collinea::bundle {
 
 /// Score tests (Rao 1948; Lagrange multipliers, Aitchison and Silvey 1958) of the hypotheses about systematic errors.
 ///
-/// Model. If the observations also followed l = A x + H d + e, the estimate after a second adjustment would be, to first
-/// order,
+/// Model. If the observations also followed l = A x + H d + e, the estimate after a second adjustment would be, to
+/// first order,
 ///
 ///     d = N^-1 c,   N = H'P H - H'P A (A'P A)^-1 A'P H,   c = H'P v
 ///
 /// with the residuals v of the adjustment that has been made. Without such an error c has the expectation 0 and the
-/// covariance V. With all given sigmas true V is N; here sigma0 multiplies what comes from image points, observations in
-/// metres and radians count as given, and those of positions are multiplied by what is left of their residuals after d
-/// if that contradicts them (1 %). c' V^-1 c is chi-squared with as many degrees of freedom as N has rank, or times that
-/// Fisher's F where a factor was estimated.
+/// covariance V. With all given sigmas true V is N; here sigma0 multiplies what comes from image points, observations
+/// in metres and radians count as given, and those of positions are multiplied by what is left of their residuals after
+/// d if that contradicts them (1 %). c' V^-1 c is chi-squared with as many degrees of freedom as N has rank, or times
+/// that Fisher's F where a factor was estimated.
 ///
 /// Rank. Directions in which N is below 1e-7 of H'P H, parameter by parameter, are not determined: they are left out,
 /// and parameters that they are of have infinite sigmas.

@@ -17,9 +17,9 @@ constexpr double kLeastChance = 1e-99;  // smaller ones are no figure that anybo
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 struct KindWords {
-  std::string what;   ///< "a time offset of the positions of FC6310"
-  const char* unit;   ///< and the axes of its values
-  const char* format; ///< of a value; empty: values are not listed
+  std::string what;    ///< "a time offset of the positions of FC6310"
+  const char* unit;    ///< and the axes of its values
+  const char* format;  ///< of a value; empty: values are not listed
 };
 
 std::string owner_of(const Subject& subject, const Block& block) {
@@ -80,8 +80,10 @@ std::string chance_words(double chance) {
 
 std::string displaced(const Finding& finding) {
   if (const auto px = finding.figure(F::kOffsetPx)) return fmt::format("image points by up to {:.2f} px", *px);
-  if (const auto deg = finding.figure(F::kDifferenceAngle)) return fmt::format("attitudes by up to {:.3f} degrees", *deg);
-  return fmt::format("positions and heights that are given by up to {:.3f} m", finding.figure(F::kOffset).value_or(kNaN));
+  if (const auto deg = finding.figure(F::kDifferenceAngle))
+    return fmt::format("attitudes by up to {:.3f} degrees", *deg);
+  return fmt::format("positions and heights that are given by up to {:.3f} m",
+                     finding.figure(F::kOffset).value_or(kNaN));
 }
 
 }  // namespace
@@ -92,14 +94,18 @@ std::string systematic_words(const Finding& finding, const Block& block) {
   const std::vector<double> values = finding.figures_of(F::kValue), sigmas = finding.figures_of(F::kValueSigma);
   std::string text = "The residuals show " + kind.what;
   if (*kind.format && !values.empty())
-    text += fmt::format(": {} {} (sigma {})", listed(values, kind.format), kind.unit,
-                        listed(sigmas, kind.format[3] == '.' ? (std::string("{:") + (kind.format + 3)).c_str() : "{:.3f}"));
+    text +=
+        fmt::format(": {} {} (sigma {})", listed(values, kind.format), kind.unit,
+                    listed(sigmas, kind.format[3] == '.' ? (std::string("{:") + (kind.format + 3)).c_str() : "{:.3f}"));
   text += fmt::format(". By accident they do so {}. It displaces {}; to estimate it moves points by up to {:.3f} m.",
                       chance_words(finding.figure(F::kChance).value_or(kNaN)), displaced(finding),
                       finding.figure(F::kDifference).value_or(kNaN));
   std::string others;
   for (std::size_t i = 1; i < finding.subjects.size(); ++i)
-    others += (i == 1 ? "" : i + 1 == finding.subjects.size() ? " or " : ", ") + kind_of(finding.subjects[i], block).what;
+    others += (i == 1                             ? ""
+               : i + 1 == finding.subjects.size() ? " or "
+                                                  : ", ") +
+              kind_of(finding.subjects[i], block).what;
   if (!others.empty()) text += " On this block it may as well be " + others + ".";
   return text;
 }
