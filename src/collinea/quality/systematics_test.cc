@@ -9,7 +9,6 @@
 
 #include "collinea/geodesy/refraction.h"
 #include "collinea/quality/additional_choice.h"
-#include "collinea/quality/internal/hypothesis.h"
 #include "collinea/quality/internal/test_flight.h"
 
 namespace collinea {

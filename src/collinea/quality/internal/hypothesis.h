@@ -3,10 +3,10 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <optional>
 #include <vector>
 
 #include "collinea/adjust/solved.h"
+#include "collinea/quality/internal/pixel_functions.h"
 #include "collinea/quality/systematics.h"
 
 namespace collinea::bundle {
@@ -28,27 +28,6 @@ struct ColumnPart {
   double derivative;
 };
 
-/// Functions of the position in the image that every set of additional parameters consists of, for the columns and for
-/// the rows of the camera alike: monomials and waves of normalised coordinates.
-class PixelFunctions {
- public:
-  static constexpr int kMost = 33;
-  /// `with_gruen`: monomials up to the fourth degree in either coordinate instead of those of the smaller sets.
-  explicit PixelFunctions(bool with_gruen);
-  [[nodiscard]] int count() const { return count_; }
-  /// The number of the monomial x^a y^b, which is there.
-  [[nodiscard]] int number_of(int a, int b) const;
-  /// Their values at a pixel; out has count() elements.
-  void at(const ImageExtent& size, const double* pixel, double* out) const;
-  /// The parameters of a set by the functions (2 count(), first those of columns, then of rows). Nothing when they do
-  /// not span the set.
-  [[nodiscard]] std::optional<Eigen::MatrixXd> combination_of(AdditionalSet set, const ImageExtent& size) const;
-
- private:
-  std::vector<std::array<int, 2>> powers_;
-  int count_;
-};
-
 /// Columns of hypotheses about one camera in its images: first those of PixelFunctions (columns, rows), then that of
 /// the rolling shutter.
 struct CameraColumns {
@@ -60,7 +39,8 @@ struct CameraColumns {
 /// All columns in their order: those of positions and attitudes, of each camera, of refraction, of the bowl and last
 /// the residual, which is treated as one of them.
 struct HypothesisColumns {
-  HypothesisColumns(const Solved& solved, const SystematicOptions& options);
+  HypothesisColumns(const Problem& of, const State& at, bool with_gruen)
+      : problem(of), state(at), functions(with_gruen) {}
 
   [[nodiscard]] int per_camera() const { return 2 * functions.count() + 1; }
   [[nodiscard]] int refraction() const { return first_image_column + per_camera() * static_cast<int>(cameras.size()); }
@@ -76,7 +56,9 @@ struct HypothesisColumns {
     return attitudes[item][static_cast<std::size_t>(axis)];
   }
   /// Relative height of the bowl at a position of the world.
-  [[nodiscard]] double bowl_at(const Eigen::Vector3d& position) const;
+  [[nodiscard]] double bowl_at(const Eigen::Vector3d& position) const {
+    return (position.head<2>() - bowl_middle).squaredNorm() / (bowl_radius_m * bowl_radius_m);
+  }
 
   const Problem& problem;
   const State& state;

@@ -5,10 +5,14 @@
 #include <utility>
 #include <vector>
 
+#include "collinea/adjust/solved.h"
 #include "collinea/block/block.h"
 #include "collinea/quality/internal/hypothesis.h"
 
 namespace collinea::bundle {
+
+/// All hypotheses that the block has observations for.
+[[nodiscard]] HypothesisColumns lay_out_hypotheses(const Solved& solved, const SystematicOptions& options);
 
 /// What the families of hypotheses share while they are laid out: the flight, and the columns numbered so far.
 struct HypothesisLayout {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "collinea/quality/internal/pixel_functions.h"
+
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-
-#include "collinea/quality/internal/hypothesis.h"
 
 namespace collinea::bundle {
 namespace {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "collinea/adjust/point_normals.h"
+#include "collinea/adjust/solved.h"
 #include "collinea/base/run.h"
 #include "collinea/math/tile_cholesky.h"
 #include "collinea/quality/internal/hypothesis.h"

@@ -10,6 +10,7 @@
 #include "collinea/adjust/observation_kinds.h"
 #include "collinea/math/fisher.h"
 #include "collinea/quality/internal/covariance.h"
+#include "collinea/quality/internal/hypothesis_layout.h"
 
 namespace collinea::bundle {
 namespace {
@@ -33,7 +34,10 @@ double strength_of(double statistic, int degrees) {
 
 ScoreTests::ScoreTests(const Solved& solved, const SystematicOptions& options, const TileCholesky& factor,
                        const Run& run)
-    : solved_(solved), options_(options), columns_(solved, options), normals_(solved, columns_, factor, run) {}
+    : solved_(solved),
+      options_(options),
+      columns_(lay_out_hypotheses(solved, options)),
+      normals_(solved, columns_, factor, run) {}
 
 Eigen::MatrixXd ScoreTests::columns_of(const Hypothesis& hypothesis) const {
   Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(columns_.count(), hypothesis.parameters());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collinea/quality/internal/hypothesis.h"
+#include "collinea/quality/internal/hypothesis_layout.h"
 
 #include <algorithm>
 #include <map>
@@ -7,7 +7,6 @@
 
 #include "collinea/adjust/block_motion.h"
 #include "collinea/adjust/observation_kinds.h"
-#include "collinea/quality/internal/hypothesis_layout.h"
 
 namespace collinea::bundle {
 namespace {
@@ -97,17 +96,15 @@ void add_hypothesis_of_bowl(HypothesisLayout& layout) {
   layout.add(SystematicKind::kBowl, "m", "m", {layout.out.bowl()});
 }
 
-HypothesisColumns::HypothesisColumns(const Solved& solved, const SystematicOptions& options)
-    : problem(solved.problem()), state(solved.state()), functions(problem.rays.size() <= kRaysForGruen) {
-  HypothesisLayout layout(solved, options, *this);
+HypothesisColumns lay_out_hypotheses(const Solved& solved, const SystematicOptions& options) {
+  const bool with_gruen = solved.problem().rays.size() <= kRaysForGruen;
+  HypothesisColumns columns(solved.problem(), solved.state(), with_gruen);
+  HypothesisLayout layout(solved, options, columns);
   add_hypotheses_of_instruments(layout);
-  first_image_column = layout.next;
+  columns.first_image_column = layout.next;
   add_hypotheses_of_images(layout);
   add_hypothesis_of_bowl(layout);
-}
-
-double HypothesisColumns::bowl_at(const Eigen::Vector3d& position) const {
-  return (position.head<2>() - bowl_middle).squaredNorm() / (bowl_radius_m * bowl_radius_m);
+  return columns;
 }
 
 }  // namespace collinea::bundle
