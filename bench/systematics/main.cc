@@ -19,9 +19,9 @@
 #include "collinea/math/fisher.h"
 #include "collinea/quality/internal/test_flight.h"
 
+namespace collinea {
 namespace {
 
-using namespace collinea;
 using testing::FlightOptions;
 using testing::Flown;
 using testing::Wrong;
@@ -188,10 +188,7 @@ void print_check_points(const std::vector<Case>& cases, int blocks, const Run& r
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  const int blocks = argc > 1 ? std::atoi(argv[1]) : 200;
-  Run run;
-  run.threads = argc > 2 ? std::atoi(argv[2]) : 2;
+void print_systematics(int blocks, const Run& run) {
   using K = SystematicKind;
   const FlightOptions turned{.attitudes = true}, free{.control = 0};
   const std::vector<Case> cases = {
@@ -230,5 +227,13 @@ int main(int argc, char** argv) {
       {"shift 20, 10, 50 cm", K::kShift, {.shift_m = {0.2, 0.1, 0.5}}, few},
       {"shift of a strip 10, 0, 10 cm", K::kShift, {.shift_m = {0.1, 0, 0.1}, .strip = 1}, few}};
   print_check_points(taken, blocks, run);
+}
+
+}  // namespace collinea
+
+int main(int argc, char** argv) {
+  collinea::Run run;
+  run.threads = argc > 2 ? std::atoi(argv[2]) : 2;
+  collinea::print_systematics(argc > 1 ? std::atoi(argv[1]) : 200, run);
   return 0;
 }
