@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "collinea/base/files.h"
+#include "collinea/base/file.h"
 #include "collinea/io/adjustment_file.h"
 #include "collinea/orient/flight_strips.h"
 #include "collinea/quality/examine.h"

@@ -149,6 +149,34 @@ TEST(Systematics, ScoresAgreeWithAdjustingAgain) {
                      before->final_cost - with_affinity->final_cost);
 }
 
+// Points that are measured on the ground keep their unknowns.
+TEST(Systematics, ScoresAgreeWithAdjustingAgainBesideMeasurementsOnTheGround) {
+  Flown made = flown(13, {.time_offset_s = 0.004, .b1_px = 0.1});
+  for (std::uint32_t i = 1; i < 6; ++i)
+    made.block.geodetic.push_back(
+        {.kind = GeodeticKind::kDistance,
+         .from = {0},
+         .to = {i},
+         .value = (made.truth.control.at({0}).position_in_world - made.truth.control.at({i}).position_in_world).norm() +
+                  0.004,
+         .sigma = 0.005});
+  const ExamineOptions options = looking_for_systematics(made, Calibration::kBrown);
+  const auto before = examine(made.block, made.scope, options, kRun);
+  ASSERT_TRUE(before) << before.error().message;
+  AdjustScope scope = made.scope;
+  scope.time_offset_sigma_s[{1}] = kNotKnown[0];
+  scope.velocity_m_s = made.systematics.velocity_m_s;
+  const auto with_offset = adjust(made.block, scope, options.adjust, kRun);
+  const auto with_affinity = adjust(made.block, made.scope, testing::plain(Calibration::kBrownAffinity), kRun);
+  ASSERT_TRUE(with_offset && with_affinity);
+  expect_as_adjusted(*of_kind(before->systematics, SystematicKind::kTimeOffset),
+                     auxiliaries_of(*with_offset, UnknownKind::kTimeOffset),
+                     before->final_cost - with_offset->final_cost);
+  const auto& params = with_affinity->cameras.at({1}).params;
+  expect_as_adjusted(*of_kind(before->systematics, SystematicKind::kAffinity),
+                     {params[Camera::kB1], params[Camera::kB2]}, before->final_cost - with_affinity->final_cost);
+}
+
 TEST(Systematics, ScoresOfAdditionalSetsAgreeWithAdjustingAgain) {
   const Flown made = flown(4, {.additional = AdditionalSet::kPolynomial, .additional_px = 0.1});
   const ExamineOptions options = looking_for_systematics(made);

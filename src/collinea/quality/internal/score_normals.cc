@@ -207,10 +207,11 @@ void ScoreNormals::add_point(Chunk& chunk, std::size_t p) const {
   for (std::size_t k = 0; k < chunk.rays.size(); ++k) add_ray(chunk, chunk.rays[k], chunk.images[k]);
   if (point.is_fixed) return;
   if (point.control >= 0) add_control(chunk, p, normals);
-  if (point.first_retained >= 0)
-    chunk.right.middleRows<3>(6 * problem_.poses + point.first_retained) += chunk.by_point;
-  else
-    eliminate(chunk, normals);
+  if (point.first_retained < 0) return eliminate(chunk, normals);
+  for (int c = 0; c < 3; ++c)
+    for (const Segment& segment : chunk.segments)
+      add_times(chunk.right.row(6 * problem_.poses + point.first_retained + c).data() + segment.first,
+                chunk.by_point.row(c).data() + segment.first, 1, segment.count);
 }
 
 // Surveyed coordinates: the bowl in their height, and their residuals.
