@@ -124,6 +124,7 @@ Finding finding_of_test(const std::vector<SystematicTest>& tests, const Systemat
     finding.figures.push_back({FigureName::kOffset, test.largest_effect});
   finding.figures.push_back({FigureName::kDifference, test.ground_change_m});
   finding.remedies = remedies_of(test);
+  if (test.ground_change_sigmas < 1) finding.severity = Severity::kNote;
   return finding;
 }
 

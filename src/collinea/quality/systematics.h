@@ -79,10 +79,11 @@ struct SystematicTest {
   double p_value = 1;                               ///< chance of a statistic as large by accident
   double p_corrected = 1;                           ///< the same, for the number of hypotheses (Holm 1979)
   double largest_effect = 0;                        ///< on what is observed
-  std::string_view effect_unit;  ///< "m" at positions and control, "px" in images, "rad" of attitudes
-  double ground_change_m = 0;    ///< by how much the points would move, at most, if it were estimated
-  bool determined = false;       ///< all parameters are
-  bool significant = false;      ///< p_corrected is below the level
+  std::string_view effect_unit;     ///< "m" at positions and control, "px" in images, "rad" of attitudes
+  double ground_change_m = 0;       ///< by how much the points would move, at most, if it were estimated
+  double ground_change_sigmas = 0;  ///< the same in standard deviations of the position of that point
+  bool determined = false;          ///< all parameters are
+  bool significant = false;         ///< p_corrected is below the level
   /// Test with the strongest evidence that leaves nothing significant of this one: this is probably its shadow. Nothing
   /// when it stands for itself.
   std::optional<std::size_t> explained_by;
@@ -98,7 +99,7 @@ inline constexpr double kTakenUpBelow = 1e-6;
 [[nodiscard]] InstrumentOptions taken_up(const std::vector<SystematicTest>& tests, const InstrumentOptions& current);
 
 /// One finding for each significant test that no other explains, the strongest first, with those that cannot be told
-/// from it as further subjects.
+/// from it as further subjects. It is a note when it moves no point by more than its standard deviation.
 [[nodiscard]] std::vector<Finding> systematic_findings(const std::vector<SystematicTest>& tests);
 
 }  // namespace collinea

@@ -61,7 +61,7 @@ double ScoreTests::largest_at_given(const Eigen::VectorXd& by_column) const {
 }
 
 // If the error were estimated, images and cameras would move by -(A'PA)^-1 A'PH d, and each point after them.
-void ScoreTests::measure_effects(const Run& run) {
+void ScoreTests::measure_effects(TileCholesky& inverse, const Run& run) {
   const Problem& problem = columns_.problem;
   const std::vector<std::size_t> points = sampled_points(problem);
   const auto count = static_cast<Eigen::Index>(tests_.size());
@@ -70,11 +70,13 @@ void ScoreTests::measure_effects(const Run& run) {
   const Eigen::MatrixXd reduced = -normals_.solution() * by_column;
   Eigen::MatrixXd moves(3 * static_cast<Eigen::Index>(points.size()), count);
   Eigen::MatrixXd pixels = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(points.size()), count);
+  Eigen::VectorXd sigmas_m(static_cast<Eigen::Index>(points.size()));
   parallel_for(run, points.size(), [&](std::size_t k) {
     const auto row = static_cast<Eigen::Index>(k);
     std::vector<Eigen::MatrixXd> rays;
     const Eigen::MatrixXd own = normals_.point_columns(points[k], &rays) * by_column;
     const PointSystem system(problem, columns_.state, points[k]);
+    sigmas_m[row] = sigma0_ * std::sqrt(system.covariance(inverse).trace());
     const int retained = problem.point(points[k]).first_retained;
     for (Eigen::Index t = 0; t < count; ++t)
       moves.block<3, 1>(3 * row, t) =
@@ -87,8 +89,11 @@ void ScoreTests::measure_effects(const Run& run) {
   in_own_datum(problem, columns_.state, points, moves);
   for (Eigen::Index t = 0; t < count; ++t) {
     SystematicTest& test = tests_[static_cast<std::size_t>(t)];
-    for (Eigen::Index k = 0; k < pixels.rows(); ++k)
-      test.ground_change_m = std::max(test.ground_change_m, moves.block<3, 1>(3 * k, t).norm());
+    for (Eigen::Index k = 0; k < pixels.rows(); ++k) {
+      const double move = moves.block<3, 1>(3 * k, t).norm();
+      test.ground_change_m = std::max(test.ground_change_m, move);
+      test.ground_change_sigmas = std::max(test.ground_change_sigmas, move / sigmas_m[k]);
+    }
     test.largest_effect = test.effect_unit == "px"             ? (pixels.rows() > 0 ? pixels.col(t).maxCoeff() : 0)
                           : test.kind == SystematicKind::kBowl ? std::abs(test.values[0])
                                                                : largest_at_given(by_column.col(t));

@@ -241,7 +241,7 @@ std::vector<SystematicTest> ScoreTests::tests(const Adjusted& adjusted, TileChol
   choose_assignment();
   correct_for_number(options_.level);
   group(options_.level);
-  measure_effects(run);
+  measure_effects(inverse, run);
   return std::move(tests_);
 }
 

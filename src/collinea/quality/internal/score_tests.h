@@ -56,7 +56,7 @@ class ScoreTests {
   void correct_for_number(double level);
   void group(double level);
   [[nodiscard]] bool are_alike(std::size_t a, std::size_t b, double level) const;
-  void measure_effects(const Run& run);
+  void measure_effects(TileCholesky& inverse, const Run& run);
   [[nodiscard]] double largest_at_given(const Eigen::VectorXd& by_column) const;
 
   const Solved& solved_;
