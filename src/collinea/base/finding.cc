@@ -113,6 +113,8 @@ constexpr CodeRow kCodes[] = {
     {C::kShiftUnused, "shift_unused", kNote},
     {C::kInstrument, "instrument", kNote, F::kValue, F::kValueSigma},
     {C::kInstrumentsMore, "instruments_more", kNote, F::kCount},
+    {C::kSystematic, "systematic", kWeak, F::kValue, F::kValueSigma, F::kChance, F::kOffset, F::kOffsetPx,
+     F::kDifferenceAngle, F::kDifference},
     {C::kPartApart, "part_apart", kWeak, F::kCount},
     {C::kImagesAlone, "images_alone", kWeak, F::kCount},
     {C::kNoDepthMap, "no_depth_map", kNote},
@@ -176,6 +178,7 @@ constexpr FigureRow kFigures[] = {
     {F::kDifferenceAngle, "difference_deg", "deg"},
     {F::kValue, "value", "1"},
     {F::kValueSigma, "value_sigma", "1"},
+    {F::kChance, "chance", "1"},
 };
 
 struct KindRow {
@@ -229,6 +232,13 @@ constexpr AspectRow kAspects[] = {
     {Aspect::kTiltY, "tilt_y"},
     {Aspect::kPositionX, "position_x"},
     {Aspect::kPositionY, "position_y"},
+    {Aspect::kVerticalDatum, "vertical_datum"},
+    {Aspect::kAssignment, "assignment"},
+    {Aspect::kBowl, "bowl"},
+    {Aspect::kAffinity, "affinity"},
+    {Aspect::kAdditional, "additional"},
+    {Aspect::kRollingShutter, "rolling_shutter"},
+    {Aspect::kRefraction, "refraction"},
 };
 
 struct RemedyRow {
@@ -285,6 +295,8 @@ constexpr RemedyRow kRemedies[] = {
     {R::kFolderOfEachFlight, "folder_of_each_flight"},
     {R::kSeeAdjustment, "see_adjustment"},
     {R::kCorrectMarks, "correct_marks"},
+    {R::kLookForNames, "look_for_names"},
+    {R::kLookForDatum, "look_for_datum"},
 };
 
 static_assert(is_in_order(kCodes, kFindingCodes, &CodeRow::code));

@@ -116,6 +116,7 @@ enum class FindingCode : std::uint8_t {
   kShiftUnused,             ///< a shift of positions that no control parts from the block's position
   kInstrument,              ///< a lever arm, shift, drift, boresight or time offset as estimated
   kInstrumentsMore,         ///< those of further strips
+  kSystematic,              ///< an error that many observations have in common, and what cannot be told from it
   kPartApart,               ///< images that hang together but not with the block
   kImagesAlone,             ///< images that could not be oriented
   // Products
@@ -178,8 +179,9 @@ enum class FigureName : std::uint8_t {
   kDifferenceAngle,  ///< [deg]
   kValue,            ///< of an estimated unknown, in the unit of its kind; several: of its axes
   kValueSigma,
+  kChance,  ///< of something as large by accident [1]
 };
-inline constexpr std::size_t kFigureNames = static_cast<std::size_t>(FigureName::kValueSigma) + 1;
+inline constexpr std::size_t kFigureNames = static_cast<std::size_t>(FigureName::kChance) + 1;
 
 /// A number of a finding.
 struct Figure {
@@ -244,9 +246,16 @@ enum class Aspect : std::uint8_t {
   kTiltY,
   kPositionX,  ///< of images along their x axis
   kPositionY,
+  kVerticalDatum,  ///< of positions against control
+  kAssignment,     ///< of positions to images; axis: 0 they are of the next image, 1 of the previous one
+  kBowl,           ///< of heights
+  kAffinity,       ///< of the columns of a camera
+  kAdditional,     ///< parameters of a camera; axis: AdditionalSet
+  kRollingShutter,
+  kRefraction,
 };
 
-inline constexpr std::size_t kAspectsOfSubjects = static_cast<std::size_t>(Aspect::kPositionY) + 1;
+inline constexpr std::size_t kAspectsOfSubjects = static_cast<std::size_t>(Aspect::kRefraction) + 1;
 
 /// What a finding is about: a thing of the block by its id, or a thing that has no id by its name.
 struct Subject {
@@ -343,7 +352,10 @@ enum class RemedyCode : std::uint8_t {
   kSeeAdjustment,  ///< which tells more
   kCorrectMarks,   ///< image coordinates, in the file that they come from
 };
-inline constexpr std::size_t kRemedyCodes = static_cast<std::size_t>(RemedyCode::kCorrectMarks) + 1;
+  kLookForNames,   ///< of images in the file of positions
+  kLookForDatum,   ///< what heights count from
+};
+inline constexpr std::size_t kRemedyCodes = static_cast<std::size_t>(RemedyCode::kLookForDatum) + 1;
 
 /// One thing that helps. Several of a finding are alternatives, except for kDatumDefect: there each helps one subject.
 struct Remedy {

@@ -6,6 +6,7 @@
 #include "collinea/quality/internal/control_folds.h"
 #include "collinea/quality/internal/control_prediction.h"
 #include "collinea/quality/internal/inseparable.h"
+#include "collinea/quality/internal/score_tests.h"
 
 namespace collinea {
 namespace {
@@ -53,11 +54,14 @@ class Examination {
     bundle::predict_check_points(solved_, factor, free_network, run_, out_);
     std::optional<ControlFolds> folds;
     if (options_.reliability) folds.emplace(solved_, factor, run_);
+    std::optional<bundle::ScoreTests> scores;
+    if (options_.systematics.test) scores.emplace(solved_, options_.systematics, factor, run_);
     if (run_.stopped()) return {};
     factor.invert(run_);
     if (run_.stopped()) return {};
     take_covariances(free_network, factor);
     if (options_.reliability) test_observations(*folds, factor);
+    if (scores && !run_.stopped()) out_.systematics = scores->tests(out_, factor, run_);
     if (options_.point_covariances && !run_.stopped())
       out_.point_covariance = point_covariances(solved_, out_.points, free_network, factor, run_);
     return {};

@@ -14,6 +14,7 @@
 #include "collinea/quality/internal/point_precision.h"
 #include "collinea/quality/internal/reliability.h"
 #include "collinea/quality/internal/weakness.h"
+#include "collinea/quality/systematics.h"
 
 namespace collinea {
 
@@ -22,9 +23,10 @@ namespace collinea {
 struct ExamineOptions {
   AdjustOptions adjust;
   bool point_covariances = false;
-  bool reliability = false;  ///< test every observation for a gross error, and say what would be found
-  TestOptions test;          ///< how
-  DatumPoints datum;         ///< of a free network; none: all tie points
+  bool reliability = false;       ///< test every observation for a gross error, and say what would be found
+  TestOptions test;               ///< how
+  SystematicOptions systematics;  ///< errors that many observations have in common
+  DatumPoints datum;              ///< of a free network; none: all tie points
 };
 
 /// An adjustment with what is known of its quality. Covariances are by the given sigmas (times sigma_scale()^2 when
@@ -42,8 +44,9 @@ struct Examined : Adjusted {
   std::vector<Finding> inseparable;  ///< pairs of unknowns that hardly differ in what they do (correlation beyond 0.99)
   std::optional<Finding> undetermined;  ///< what is not determined; nothing when everything is
   Conditioning conditioning;
-  std::vector<Finding> weaknesses;         ///< none: everything is well determined
-  std::optional<Reliability> reliability;  ///< when asked for
+  std::vector<Finding> weaknesses;          ///< none: everything is well determined
+  std::optional<Reliability> reliability;   ///< when asked for
+  std::vector<SystematicTest> systematics;  ///< when asked for
 };
 
 /// Examines an adjusted block: covariances, conditioning, weaknesses and, when asked for, reliability (see the headers
@@ -61,7 +64,8 @@ struct Examined : Adjusted {
 ///     for (const TestedObservation& one : examined.reliability->suspects) ...
 ///
 /// Tests of single observations ask for AdjustOptions::settle_points. Cost: one factor and its selected inverse, at
-/// most some forty solutions with that factor, three for each control point, and a small system for each tie point.
+/// most some forty solutions with that factor, three for each control point, and a small system for each tie point; for
+/// systematic errors one more pass over the rays and some sixty solutions.
 /// Errors: kBadInput (options), kIllPosed (points chosen for the datum that do not tell position, attitude and scale of
 /// what is free of these), kCancelled.
 [[nodiscard]] Result<Examined> examine(Solved solved, const ExamineOptions& options, const Run& run);

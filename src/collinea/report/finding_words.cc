@@ -8,6 +8,7 @@
 
 #include "collinea/quality/mark_systems.h"
 #include "collinea/report/internal/cells.h"
+#include "collinea/report/internal/systematic_words.h"
 
 namespace collinea {
 namespace {
@@ -556,6 +557,8 @@ std::string words_of_orientation(const Words& w) {
                          w.whole(F::kOf), w.one() ? "is" : "are");
     case C::kInstrument:
       return instrument_words(w);
+    case C::kSystematic:
+      return systematic_words(w.finding, w.block);
     case C::kInstrumentsMore:
       return "Shifts and drifts of other strips that are not listed: " + w.whole(F::kCount) + ".";
     case C::kPartApart:

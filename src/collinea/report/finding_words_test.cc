@@ -35,6 +35,8 @@ Finding sample_of(FindingCode code) {
     finding.subjects = {Subject(CameraId{0}, Aspect::kParameter, Camera::kK1)};
   } else if (code == FindingCode::kInstrument) {
     finding.subjects = {Subject(SubjectKind::kStrip, 0, Aspect::kShift)};
+  } else if (code == FindingCode::kSystematic) {
+    finding.subjects = {Subject(CameraId{0}, Aspect::kTimeOffset), Subject(CameraId{0}, Aspect::kLeverArm)};
   } else {
     finding.subjects = {ImageId{1}, ControlId{2}};
   }

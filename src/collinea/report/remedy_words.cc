@@ -78,6 +78,8 @@ constexpr Phrase kPhrases[] = {
     {R::kCorrectMarks,
      "write columns to the right and rows downwards, in pixels from the upper-left corner of the images that are used, "
      "into the file of measurements"},
+    {R::kLookForNames, "look whether names of images and their positions belong together"},
+    {R::kLookForDatum, "look what the heights of positions and of control count from"},
 };
 static_assert(is_in_order(kPhrases, kRemedyCodes, &Phrase::code));
 
