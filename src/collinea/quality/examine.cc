@@ -107,4 +107,16 @@ Result<Examined> examine(Adjuster& adjuster, const Block& block, const AdjustSco
   return examine(std::move(solved), options, run);
 }
 
+Result<Examined> examine_to_the_end(Adjuster& adjuster, Block& block, const AdjustScope& scope,
+                                    const ExamineOptions& options, const Run& run, int& adjustments) {
+  constexpr int kMostRepeats = 3;
+  const AdjustScope as_given = with_first_cameras(scope, block.cameras);
+  for (int repeat = 0;; ++repeat) {
+    Result<Examined> adjusted = examine(adjuster, block, as_given, options, run);
+    ++adjustments;
+    if (!adjusted || adjusted->converged || repeat == kMostRepeats) return adjusted;
+    apply(*adjusted, block);
+  }
+}
+
 }  // namespace collinea

@@ -28,6 +28,20 @@ void test_gross_ray(Rejection& one, const Block& block) {
   if (std::isfinite(size)) rejected.w = size / one.sigma;
 }
 
+// The variance of an adjusted coordinate of a control point: what the others know of it.
+std::optional<double> variance_by_others(const Rejected& rejected, const Adjusted& adjusted) {
+  if (traits_of(rejected.group).source != ObservationSource::kControlCoordinates) return std::nullopt;
+  for (const ControlDifference& now : adjusted.control)
+    if (now.point == rejected.control && now.covariance_m2) return (*now.covariance_m2)(rejected.axis, rejected.axis);
+  return std::nullopt;
+}
+
+// A coordinate that went before the first adjustment was fixed.
+void test_fixed_coordinate(Rejected& rejected, const Adjusted& adjusted, double sigma0) {
+  if (const auto variance = variance_by_others(rejected, adjusted)) rejected.sigma = sigma0 * std::sqrt(*variance);
+  if (rejected.sigma > 0) rejected.w = std::abs(rejected.gross_error[rejected.axis]) / rejected.sigma;
+}
+
 }  // namespace
 
 std::vector<Rejection> with_gross_errors(std::vector<Rejection> rejections, const Measurements& left,
@@ -37,7 +51,11 @@ std::vector<Rejection> with_gross_errors(std::vector<Rejection> rejections, cons
     if (!rejected.as_pair)
       if (const auto difference = misclosure(rejected, one.given, left, adjusted))
         axes_of(rejected.group, rejected.gross_error) = axes_of(rejected.group, *difference);
-    if (rejected.round == 0) test_gross_ray(one, left.block);
+    if (rejected.round == 0 && !is_image_point(rejected.group)) {
+      test_fixed_coordinate(rejected, adjusted, sigma0);
+      continue;
+    }
+    if (rejected.round == 0 && rejected.control.valid()) test_gross_ray(one, left.block);
     const double own = is_image_point(rejected.group) ? sigma0 : 1;
     rejected.sigma = one.sigma * std::sqrt(own * own + sigma0 * sigma0 * one.cofactor);
     if (const auto sigma = sigma_of_correlated(rejected, one.given, rejected.axis, sigma0, left, adjusted))
