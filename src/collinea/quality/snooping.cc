@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "collinea/block/subject_label.h"
-#include "collinea/quality/gross_errors.h"
+#include "collinea/quality/divergence.h"
 #include "collinea/quality/internal/gross_control.h"
 #include "collinea/quality/internal/gross_error.h"
 #include "collinea/quality/internal/rejection.h"
@@ -210,6 +210,14 @@ Snooped finished(Ended ended) {
   return out;
 }
 
+// Nothing that has diverged is an end; `left`: that was adjusted.
+Result<> refused(const Result<Examined>& adjusted, const Measurements& left, const ExamineOptions& options,
+                 const Run& run) {
+  return refuse_diverged(adjusted, left.block, left.scope, options, run).map_error([](Error error) {
+    return std::move(error).within("data snooping");
+  });
+}
+
 // Adjusts once more with the values as they were given: what has gone is compared by them, and what has stayed though
 // it was tamed, because nothing tells which of several is wrong, takes part by them.
 Result<Snooped> finished_as_given(Ended ended, const Tamed& tamed, const Measurements& given,
@@ -218,12 +226,8 @@ Result<Snooped> finished_as_given(Ended ended, const Tamed& tamed, const Measure
   Measurements& left = ended.remaining.measurements;
   Adjuster adjuster;
   ended.adjusted = examine_to_the_end(adjuster, left.block, left.scope, options, run, ended.rounds);
-  if (!ended.adjusted) return tl::unexpected(std::move(ended.adjusted).error().within("data snooping"));
-  Examined& adjusted = *ended.adjusted;
-  if (!adjusted.converged || !adjusted.reliability)
-    return fail(Errc::kNotConverged,
-                "data snooping: measurements contradict each other by so much that the adjustment "
-                "does not converge, and which of them are wrong cannot be told");
+  COLLINEA_TRY(refused(ended.adjusted, left, options, run));
+  const Examined& adjusted = *ended.adjusted;
   apply(adjusted, left.block);
   ended.remaining.rejections =
       with_gross_errors(std::move(ended.remaining.rejections), left, adjusted, sigma0_of_tests(adjusted, options.test));
@@ -242,11 +246,16 @@ Result<Snooped> snoop(const Block& block, const AdjustScope& scope, const Examin
   const std::optional<Tamed> tamed = tame(given, asked, run);
   if (!tamed) {
     COLLINEA_TRY(Ended untamed, Rounds(asked, most, run).from(first_round(given, most, run), true));
+    COLLINEA_TRY(refused(untamed.adjusted, untamed.remaining.measurements, asked, run));
     return finished(std::move(untamed));
   }
-  COLLINEA_TRY(Ended found, Rounds(asked, most, run).from({.after = tamed->remaining}, true));
-  if (ended.adjusted && ended.adjusted->reliability) found.sigma0_before = ended.adjusted->sigma0;
-  return finished_as_given(std::move(found), *tamed, given, asked, run);
+  Result<Ended> found = Rounds(asked, most, run).from({.after = tamed->remaining}, true);
+  if (!found) {
+    COLLINEA_TRY(refused(tl::unexpected(found.error()), given, asked, run));
+    return tl::unexpected(std::move(found).error());
+  }
+  if (ended.adjusted && ended.adjusted->reliability) found->sigma0_before = ended.adjusted->sigma0;
+  return finished_as_given(std::move(*found), *tamed, given, asked, run);
 }
 
 }  // namespace collinea
