@@ -5,8 +5,8 @@
 #include <cmath>
 #include <set>
 
+#include "collinea/quality/internal/gross_choice.h"
 #include "collinea/quality/internal/robust_fit.h"
-#include "collinea/quality/internal/taming.h"
 
 namespace collinea {
 namespace {

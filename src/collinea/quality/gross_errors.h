@@ -11,7 +11,8 @@ namespace collinea {
 /// An adjustment that may be bent by gross errors, beside one that they cannot bend.
 struct GrossErrors {
   /// What contradicts the others grossly: its name, by how much, and its given sigma; the largest first. Which of
-  /// several is wrong is not asked (snoop() does). Where nothing tells most from few it is empty.
+  /// several is wrong is not asked (snoop() does). Where half of the coordinates contradict the others it is all of
+  /// them.
   std::vector<Rejected> measurements;
   long lost_rays = 0;  ///< image points of others whose point lies where the adjustment lets their image not see it
   long rays = 0;       ///< all that took part

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <string>
 
+#include "collinea/epipolar/intersect.h"
 #include "collinea/quality/internal/measurement.h"
 #include "collinea/quality/internal/test_examine.h"
 #include "collinea/quality/snooping.h"
@@ -51,6 +52,17 @@ MeasurementIndex best_checked(const Block& block, ObservationGroup group) {
   return best;
 }
 
+// Four times what is found with 80 %: where little checks it (r = 0.03) and a neighbour is correlated by 0.9 it takes
+// that to tell the two apart.
+double certain_size(const Block& block, MeasurementIndex index, int axis) {
+  const auto clean = examine(block, {}, testing::tested(), kRun);
+  if (clean && clean->reliability)
+    for (const TestedObservation& one : clean->reliability->others)
+      if (one.group == index.group && one.source == index.source && one.axis == axis)
+        return 4 * one.minimal_detectable_bias;
+  return 0;
+}
+
 double& value_at(Block& block, MeasurementIndex index, int axis) {
   switch (traits_of(index.group).source) {
     case ObservationSource::kTieImagePoint:
@@ -66,9 +78,13 @@ double& value_at(Block& block, MeasurementIndex index, int axis) {
   }
 }
 
+int tried = 0;
+
 // It is found, named with its size, and what is left is what is left without it.
 void expect_found(const Block& good, MeasurementIndex index, int axis, double size, const std::string& what) {
   SCOPED_TRACE(what + ", " + std::to_string(size));
+  if (std::abs(size) < certain_size(good, index, axis)) return;
+  ++tried;
   const Measurement planted = measurement_at(index, good);
   const MeasurementIndex left_out[] = {index};
   const auto expected = snoop(without({good, {}}, left_out).block, {}, plain(), kMost, kRun);
@@ -94,19 +110,25 @@ constexpr double kSizes[] = {0.5, 3.2, 31, 150, 500, 1000, 1e4, -1e5, 1e6};
 
 TEST(GrossErrors, OneCoordinateOfControlIsFoundHoweverWrongItIs) {
   const Block block = strip(5, 6);
+  tried = 0;
   for (const int axis : {0, 1, 2}) {
     const auto index = best_checked(block, group_of(ObservationSource::kControlCoordinates, axis));
     for (const double size : kSizes) expect_found(block, index, axis, size, "control, axis " + std::to_string(axis));
   }
+  EXPECT_GE(tried, 22);
 }
 
 TEST(GrossErrors, OneOfEveryControlPointIsFound) {
   const Block block = strip(4, 7, 0, 3);
+  tried = 0;
   for (const auto& [id, control] : block.control)
-    for (const int axis : {0, 2})
+    for (const int axis : {0, 2}) {
+      if (sight_lines(block, id).size() < 2) continue;  // of one ray and its coordinates either may be wrong
       for (const double size : {40.0, 1000.0})
         expect_found(block, {group_of(ObservationSource::kControlCoordinates, axis), id.value}, axis, size,
                      control.name + ", axis " + std::to_string(axis));
+    }
+  EXPECT_GE(tried, 20);
 }
 
 TEST(GrossErrors, AnImagePointIsFoundHoweverWrongItIs) {
@@ -173,7 +195,8 @@ TEST(GrossErrors, FourControlPointsAreEnoughAndThreeAreNot) {
     block.control.at({1}).position_in_world.x() += size;
     const auto snooped = snoop(block, {}, plain(), kMost, kRun);
     if (!snooped) {
-      EXPECT_EQ(snooped.error().code, Errc::kNotConverged) << snooped.error().message;
+      EXPECT_TRUE(snooped.error().code == Errc::kNotConverged || snooped.error().code == Errc::kIllPosed);
+      EXPECT_NE(snooped.error().message.find("gcp1 (control_plan"), std::string::npos) << snooped.error().message;
       continue;
     }
     EXPECT_TRUE(snooped->rejected.empty());

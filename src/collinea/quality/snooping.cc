@@ -9,11 +9,11 @@
 
 #include "collinea/block/subject_label.h"
 #include "collinea/quality/divergence.h"
+#include "collinea/quality/internal/gross_choice.h"
 #include "collinea/quality/internal/gross_control.h"
 #include "collinea/quality/internal/gross_error.h"
 #include "collinea/quality/internal/rejection.h"
 #include "collinea/quality/internal/suspect_choice.h"
-#include "collinea/quality/internal/taming.h"
 
 namespace collinea {
 namespace {
@@ -210,25 +210,37 @@ Snooped finished(Ended ended) {
   return out;
 }
 
-// Nothing that has diverged is an end; `left`: that was adjusted.
-Result<> refused(const Result<Examined>& adjusted, const Measurements& left, const ExamineOptions& options,
-                 const Run& run) {
-  return refuse_diverged(adjusted, left.block, left.scope, options, run).map_error([](Error error) {
+// Nothing that has diverged is an end. `left`: that was adjusted, which may have led poses and points anywhere;
+// `given`: where they began.
+Result<> refused(const Result<Examined>& adjusted, const Measurements& left, const Measurements& given,
+                 const ExamineOptions& options, const Run& run) {
+  if (!is_bent(adjusted, options.test)) return {};
+  Block block = left.block;
+  block.poses = given.block.poses;
+  block.points = given.block.points;
+  block.cameras = given.block.cameras;
+  return refuse_diverged(adjusted, block, left.scope, options, run).map_error([](Error error) {
     return std::move(error).within("data snooping");
   });
 }
 
-// Adjusts once more with the values as they were given: what has gone is compared by them, and what has stayed though
-// it was tamed, because nothing tells which of several is wrong, takes part by them.
-Result<Snooped> finished_as_given(Ended ended, const Tamed& tamed, const Measurements& given,
-                                  const ExamineOptions& options, const Run& run) {
-  ended.remaining = as_given(std::move(ended.remaining), tamed.tamed, given);
+// What is grossly wrong and cannot be told from others stays, and nothing else is tested: it spoils all tests.
+Result<Snooped> with_undecided(GrossChoice gross, const Measurements& given, const ExamineOptions& options,
+                               const Run& run) {
+  Ended ended{.remaining = std::move(gross.remaining)};
   Measurements& left = ended.remaining.measurements;
   Adjuster adjuster;
   ended.adjusted = examine_to_the_end(adjuster, left.block, left.scope, options, run, ended.rounds);
-  COLLINEA_TRY(refused(ended.adjusted, left, options, run));
+  COLLINEA_TRY(refused(ended.adjusted, left, given, options, run));
   const Examined& adjusted = *ended.adjusted;
+  if (!adjusted.reliability) return undetermined(adjusted, left.block);
   apply(adjusted, left.block);
+  ended.sigma0_before = adjusted.sigma0;
+  ended.with = adjusted.control;
+  ended.choice.kept = std::move(gross.kept);
+  if (ended.choice.kept.empty())
+    for (const TestedObservation& one : adjusted.reliability->suspects)
+      if (!is_image_point(one.group)) ended.choice.kept.push_back({one, StayReason::kSameDegree});
   ended.remaining.rejections =
       with_gross_errors(std::move(ended.remaining.rejections), left, adjusted, sigma0_of_tests(adjusted, options.test));
   return finished(std::move(ended));
@@ -243,19 +255,19 @@ Result<Snooped> snoop(const Block& block, const AdjustScope& scope, const Examin
   const Measurements given{block, with_first_cameras(scope, block.cameras)};
   COLLINEA_TRY(Ended ended, Rounds(asked, most, run).from(first_round(given, most, run), false));
   if (!ended.bent) return finished(std::move(ended));
-  const std::optional<Tamed> tamed = tame(given, asked, run);
-  if (!tamed) {
-    COLLINEA_TRY(Ended untamed, Rounds(asked, most, run).from(first_round(given, most, run), true));
-    COLLINEA_TRY(refused(untamed.adjusted, untamed.remaining.measurements, asked, run));
-    return finished(std::move(untamed));
-  }
-  Result<Ended> found = Rounds(asked, most, run).from({.after = tamed->remaining}, true);
+  std::optional<GrossChoice> gross = choose_gross(given, asked, most, run);
+  if (gross && (gross->contradiction || !gross->undecided.empty()))
+    return with_undecided(std::move(*gross), given, asked, run);
+  if (!gross) COLLINEA_TRY(refused(ended.adjusted, ended.remaining.measurements, given, asked, run));
+  Round first = gross ? Round{.after = std::move(gross->remaining)} : first_round(given, most, run);
+  Result<Ended> found = Rounds(asked, most, run).from(std::move(first), true);
   if (!found) {
-    COLLINEA_TRY(refused(tl::unexpected(found.error()), given, asked, run));
+    COLLINEA_TRY(refused(tl::unexpected(found.error()), given, given, asked, run));
     return tl::unexpected(std::move(found).error());
   }
+  COLLINEA_TRY(refused(found->adjusted, found->remaining.measurements, given, asked, run));
   if (ended.adjusted && ended.adjusted->reliability) found->sigma0_before = ended.adjusted->sigma0;
-  return finished_as_given(std::move(*found), *tamed, given, asked, run);
+  return finished(std::move(*found));
 }
 
 }  // namespace collinea

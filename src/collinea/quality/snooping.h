@@ -46,9 +46,8 @@ struct Snooped {
 ///
 /// Image points of control that are grossly wrong go before the first adjustment, which they would bend
 /// (without_gross_control()). Where the first adjustment is bent all the same (is_bent()), linear tests say nothing of
-/// it: gross errors are found by a robust fit and made small enough for linear equations (tame()), the rounds are those
-/// of that block, and in the end everything has its given value again. So a gross error of any size goes as one of
-/// moderate size does, and what cannot be told at a moderate size is not told at a large one.
+/// it: gross errors are found by a robust fit and go first where that can be told (choose_gross()). Where it cannot,
+/// they stay, with those others that may be wrong instead, and nothing else is rejected.
 ///
 /// Example:
 ///

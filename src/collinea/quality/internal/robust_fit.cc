@@ -18,7 +18,7 @@ namespace collinea {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kMostRounds = 6;
+constexpr int kMostRounds = 10;
 constexpr double kTimesTypical = 3;                        // where the loss turns, in typical misfits
 constexpr double kWithout = 30;                            // times that: without any weight
 constexpr double kGrossOnGround = 20, kGrossInImage = 50;  // sigmas, and typical misfits
@@ -225,8 +225,11 @@ class Reweighting {
       if (one.sigmas > kWithout * k && can_go(one.index.group))
         rejected.push_back(one.index);
       else
-        enlarge(one.index, 1 + std::min(one.sigmas * one.sigmas, 1e12) / (k * k), all);
+        enlarge(one.index, typical_of(one, typical) * (1 + std::min(one.sigmas * one.sigmas, 1e12) / (k * k)), all);
     }
+    if (fit_.adjusted.iterations == 0)  // nothing has been compared with measurements on the ground yet
+      for (std::uint32_t i = 0; i < all.block.geodetic.size(); ++i)
+        rejected.push_back({group_of(all.block.geodetic[i].kind), i});
     all = without(std::move(all), rejected);
     scope_.attitudes = all.scope.attitudes;
     return all;
@@ -288,19 +291,19 @@ Result<RobustFit> robust_fit(const Measurements& given, const AdjustOptions& opt
   return Reweighting(given, options, run).fit();
 }
 
+bool contradict_each_other(const RobustFit& fit) {
+  return typical_of(fit.misfits)[static_cast<std::size_t>(Kind::kCoordinate)] > kGrossOnGround;
+}
+
 std::vector<Misfit> gross_misfits(const RobustFit& fit) {
+  const bool contradiction = contradict_each_other(fit);
   const Typical typical = typical_of(fit.misfits);
   std::vector<Misfit> gross;
-  std::size_t coordinates = 0, wrong = 0;
   for (const Misfit& one : fit.misfits) {
     const double limit = is_image_point(one.index.group) ? kGrossInImage : kGrossOnGround;
-    const bool is_gross = one.sigmas > limit * typical_of(one, typical);
-    const bool is_coordinate = kind_of(one.index.group) == Kind::kCoordinate;
-    coordinates += is_coordinate;
-    wrong += is_coordinate && is_gross;
-    if (is_gross) gross.push_back(one);
+    const bool is_of_contradiction = contradiction && kind_of(one.index.group) == Kind::kCoordinate;
+    if (one.sigmas > limit * (is_of_contradiction ? 1 : typical_of(one, typical))) gross.push_back(one);
   }
-  if (2 * wrong >= coordinates && wrong > 0) return {};
   std::stable_sort(gross.begin(), gross.end(), [](const Misfit& a, const Misfit& b) { return a.sigmas > b.sigmas; });
   return gross;
 }
