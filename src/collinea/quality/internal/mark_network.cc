@@ -14,13 +14,7 @@ namespace collinea {
 namespace {
 
 constexpr double kAgree = 10;          // sigmas: rays that meet like that are not looked at one by one
-constexpr double kLost_px = 1e4;       // of a ray whose image does not see the point
 constexpr std::size_t kMostLines = 8;  // of which all pairs are tried
-
-double miss_px(const SightLine& line, const Eigen::Vector3d& position) {
-  const auto pixel = project(*line.camera, line.cam_from_world * position);
-  return pixel ? std::min(kLost_px, (*pixel - line.pixel).norm()) : kLost_px;
-}
 
 // Where the pair of lines meets that the others agree with best: the sum of the roots of their misses is least, which
 // no single miss decides.
@@ -131,6 +125,12 @@ class Network {
 };
 
 }  // namespace
+
+double miss_px(const SightLine& line, const Eigen::Vector3d& position) {
+  constexpr double kLost_px = 1e4;
+  const auto pixel = project(*line.camera, line.cam_from_world * position);
+  return pixel ? std::min(kLost_px, (*pixel - line.pixel).norm()) : kLost_px;
+}
 
 Result<MarkNetwork> mark_network_of(const Measurements& given, const Run& run) { return Network(given, run).adjust(); }
 

@@ -3,6 +3,7 @@
 
 #include <map>
 
+#include "collinea/epipolar/intersect.h"
 #include "collinea/quality/internal/measurement.h"
 
 namespace collinea {
@@ -14,6 +15,9 @@ struct MarkNetwork {
   std::map<PointId, Eigen::Vector3d> points;    ///< where they see tie points
   double typical_sigmas = 1;                    ///< of their residuals: the median over that of normal ones
 };
+
+/// By how much a sight line misses a position, 10,000 px where its image does not see it and at most.
+[[nodiscard]] double miss_px(const SightLine& line, const Eigen::Vector3d& position);
 
 /// Adjusts the free network by Huber's and then Cauchy's loss, marks of control like tie points, cameras as they stand.
 /// No coordinate, position or measurement on the ground takes part, so that none can bend it, and an image point that

@@ -21,6 +21,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kMostRounds = 10;
 constexpr double kTimesTypical = 3;                        // where the loss turns, in typical misfits
 constexpr double kWithout = 30;                            // times that: without any weight
+constexpr double kUncompared = 1e4;                        // times the sigma of what has not been compared yet
 constexpr double kGrossOnGround = 20, kGrossInImage = 50;  // sigmas, and typical misfits
 
 // --- kinds of measurements that are about as far off as each other
@@ -171,10 +172,13 @@ class Reweighting {
     for (auto& [id, control] : all.block.control) soften(id, control.sigma_m);
     Adjusted at;  // as if adjusted there
     for (const auto& [id, pose] : oriented_images(all.block)) at.cam_from_world[id] = pose;
-    for (const auto& [id, marked] : network.marked) {
+    for (const auto& [id, control] : all.block.control) {
       ControlDifference one{.point = id, .used = scope_.use_control && is_control(id)};
-      one.position_in_world = moved_by * marked;
-      at.control.push_back(one);
+      const auto marked = network.marked.find(id);
+      one.position_in_world =
+          start_of(control, sight_lines(all.block, id),
+                   marked == network.marked.end() ? std::nullopt : std::optional(moved_by * marked->second));
+      if (one.position_in_world) at.control.push_back(one);
     }
     at.control_residuals_px = residuals_of_marks(at);
     fit_.misfits = misfits_of(all, at);
@@ -182,6 +186,24 @@ class Reweighting {
 
   [[nodiscard]] bool is_control(ControlId id) const {
     return fit_.measurements.block.control.at(id).role == ControlRole::kControl;
+  }
+
+  // Where its rays meet or where it was surveyed: where the sum of the roots of all differences is least, in pixels. Of
+  // a point with two marks one of which is wrong the survey says which.
+  [[nodiscard]] static std::optional<Eigen::Vector3d> start_of(const ControlPoint& control,
+                                                               const std::vector<SightLine>& lines,
+                                                               const std::optional<Eigen::Vector3d>& marked) {
+    if (!control.sigma_m.allFinite() || !control.position_in_world.allFinite()) return marked;
+    double at_survey = 0, at_marks = 0;
+    for (const SightLine& line : lines) {
+      at_survey += std::sqrt(miss_px(line, control.position_in_world));
+      if (!marked) continue;
+      const double px_per_m = line.camera->focal_px() / (line.cam_from_world * *marked).norm();
+      const Eigen::Vector3d off = px_per_m * (control.position_in_world - *marked);
+      at_marks += std::sqrt(miss_px(line, *marked));
+      at_marks += (std::sqrt(off.head<2>().norm()) + std::sqrt(std::abs(off.z()))) / double(lines.size());
+    }
+    return marked && at_marks <= at_survey ? *marked : control.position_in_world;
   }
 
   // Fixed coordinates get the size of a pixel on the ground.
@@ -228,8 +250,7 @@ class Reweighting {
         enlarge(one.index, typical_of(one, typical) * (1 + std::min(one.sigmas * one.sigmas, 1e12) / (k * k)), all);
     }
     if (fit_.adjusted.iterations == 0)  // nothing has been compared with measurements on the ground yet
-      for (std::uint32_t i = 0; i < all.block.geodetic.size(); ++i)
-        rejected.push_back({group_of(all.block.geodetic[i].kind), i});
+      for (GeodeticObservation& one : all.block.geodetic) one.sigma *= kUncompared;
     all = without(std::move(all), rejected);
     scope_.attitudes = all.scope.attitudes;
     return all;
