@@ -351,7 +351,6 @@ enum class RemedyCode : std::uint8_t {
   kFolderOfEachFlight,
   kSeeAdjustment,  ///< which tells more
   kCorrectMarks,   ///< image coordinates, in the file that they come from
-};
   kLookForNames,   ///< of images in the file of positions
   kLookForDatum,   ///< what heights count from
 };

@@ -132,6 +132,16 @@ Result<Adjusted> adjust_with_control_precision(Adjuster& adjuster, const Block& 
   }
   if (run.stopped()) return fail(Errc::kCancelled, "bundle adjustment stopped");
   return adjusted;
+Result<Examined> examine_to_the_end(Adjuster& adjuster, Block& block, const AdjustScope& scope,
+                                    const ExamineOptions& options, const Run& run, int& adjustments) {
+  constexpr int kMostRepeats = 3;
+  const AdjustScope as_given = with_first_cameras(scope, block.cameras);
+  for (int repeat = 0;; ++repeat) {
+    Result<Examined> adjusted = examine(adjuster, block, as_given, options, run);
+    ++adjustments;
+    if (!adjusted || adjusted->converged || repeat == kMostRepeats) return adjusted;
+    apply(*adjusted, block);
+  }
 }
 
 }  // namespace collinea

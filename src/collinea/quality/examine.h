@@ -83,5 +83,9 @@ struct Examined : Adjusted {
 [[nodiscard]] Result<Adjusted> adjust_with_control_precision(Adjuster& adjuster, const Block& block,
                                                              const AdjustScope& scope, const AdjustOptions& options,
                                                              const Run& run);
+/// The same, going on from where it has come three times if it has not converged: half way everything looks wrong. The
+/// block then takes poses, cameras and points of those. Adds the adjustments to `adjustments`.
+[[nodiscard]] Result<Examined> examine_to_the_end(Adjuster& adjuster, Block& block, const AdjustScope& scope,
+                                                  const ExamineOptions& options, const Run& run, int& adjustments);
 
 }  // namespace collinea

@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "collinea/block/subject_label.h"
+#include "collinea/quality/divergence.h"
+#include "collinea/quality/internal/gross_choice.h"
 #include "collinea/quality/internal/gross_control.h"
 #include "collinea/quality/internal/gross_error.h"
 #include "collinea/quality/internal/rejection.h"
@@ -16,7 +18,6 @@
 namespace collinea {
 namespace {
 
-constexpr int kMostRepeats = 3;  // of an adjustment that has not converged
 constexpr std::size_t kNoBound = std::numeric_limits<std::size_t>::max();
 
 // A round: what is left after it, which an adjustment is to confirm, and what it began with.
@@ -50,17 +51,6 @@ Round first_round(Measurements all, int most, const Run& run) {
   round.after = without_gross_control(std::move(all), most, run.seed);
   for (const Rejection& rejected : round.after.rejections) round.rejected.push_back(rejected.rejected);
   return round;
-}
-
-// A gross error far off may need more iterations than are allowed; half way everything looks wrong.
-Result<Examined> adjust_to_the_end(Adjuster& adjuster, Measurements& left, const ExamineOptions& options,
-                                   const Run& run, int& adjustments) {
-  for (int repeat = 0;; ++repeat) {
-    Result<Examined> adjusted = examine(adjuster, left.block, left.scope, options, run);
-    ++adjustments;
-    if (!adjusted || adjusted->converged || repeat == kMostRepeats) return adjusted;
-    apply(*adjusted, left.block);
-  }
 }
 
 bool is_determined(const Result<Examined>& adjusted, const std::optional<int>& rank_defect_before) {
@@ -110,19 +100,150 @@ std::vector<std::size_t> agreeing_of(const Remaining& remaining, const SuspectCh
   return agreeing(remaining, adjusted.reliability->limit, known.put_back);
 }
 
-Snooped finished(Snooped out, Remaining remaining, SuspectChoice choice, Examined adjusted, const Experience& known) {
-  std::set<Measurement> put_back = known.put_back;
-  for (const Rejection& rejected : remaining.rejections) {
+// What a block that is not determined lacks.
+tl::unexpected<Error> undetermined(const Examined& adjusted, const Block& block) {
+  if (adjusted.undetermined) return fail(Errc::kIllPosed, "data snooping: " + label_of(adjusted.undetermined, block));
+  return fail(Errc::kIllPosed, "data snooping: without what was rejected the datum has a larger defect than before");
+}
+
+// The end of the rounds.
+struct Ended {
+  Remaining remaining;
+  SuspectChoice choice;
+  Result<Examined> adjusted;  // the last; an error only of one that is bent
+  Experience known;
+  int rounds = 0;
+  double sigma0_before = 0;
+  std::vector<ControlDifference> with;
+  bool bent = false;  // the first adjustment, after which nothing was done
+};
+
+class Rounds {
+ public:
+  Rounds(const ExamineOptions& options, int most, const Run& run) : options_(options), most_(most), run_(run) {}
+
+  // Ends after the first adjustment if that is bent and `may_be_bent` is false.
+  Result<Ended> from(Round round, bool may_be_bent) {
+    for (;;) {
+      Measurements& left = round.after.measurements;
+      Result<Examined> adjusted = examine_to_the_end(adjuster_, left.block, left.scope, options_, run_, ended_.rounds);
+      if (!adjusted && adjusted.error().code != Errc::kIllPosed) return tl::unexpected(std::move(adjusted).error());
+      if (!may_be_bent && !known_.rank_defect && is_bent(adjusted, options_.test)) return bent(round, adjusted);
+      if (!adjusted && round.rejected.empty()) return tl::unexpected(std::move(adjusted).error());
+      if (const auto stay = why_taken_back(adjusted, round, known_.rank_defect)) {
+        known_ = after_taking_back(std::move(known_), round, *stay);
+        round = {.after = std::move(round.before)};
+        continue;
+      }
+      if (!is_determined(adjusted, known_.rank_defect)) return undetermined(*adjusted, left.block);
+      confirm(*adjusted);
+      apply(*adjusted, left.block);
+      if (!go_on(round, *adjusted)) return ended(std::move(round.after), std::move(*adjusted));
+    }
+  }
+
+ private:
+  Ended bent(const Round& round, const Result<Examined>& adjusted) {
+    ended_.bent = true;
+    ended_.remaining = round.after;
+    ended_.adjusted = adjusted;
+    return std::move(ended_);
+  }
+
+  Ended ended(Remaining remaining, Examined adjusted) {
+    ended_.remaining = std::move(remaining);
+    ended_.adjusted = std::move(adjusted);
+    ended_.known = std::move(known_);
+    return std::move(ended_);
+  }
+
+  void confirm(const Examined& adjusted) {
+    if (!known_.rank_defect) {
+      ended_.sigma0_before = adjusted.sigma0;
+      ended_.with = adjusted.control;
+    }
+    known_ = after_confirming(std::move(known_), adjusted);
+  }
+
+  // The next round; false when there is none.
+  bool go_on(Round& round, const Examined& adjusted) {
+    const double sigma0 = sigma0_of_tests(adjusted, options_.test);
+    const Block& block = round.after.measurements.block;
+    ended_.choice = choose_suspects(adjusted, block, known_.stays, bounds_of(round.after, known_, most_));
+    if (!ended_.choice.suspects.empty()) {
+      round = next_round(std::move(round.after), ended_.choice, sigma0, ended_.rounds);
+      return true;
+    }
+    round.after.rejections =
+        with_gross_errors(std::move(round.after.rejections), round.after.measurements, adjusted, sigma0);
+    const auto agree = agreeing_of(round.after, ended_.choice, adjusted, known_);
+    if (agree.empty()) return false;
+    for (const std::size_t i : agree) known_.put_back.insert(round.after.rejections[i].rejected);
+    round = {.after = put_back(std::move(round.after), agree)};
+    return true;
+  }
+
+  const ExamineOptions& options_;
+  const int most_;
+  const Run& run_;
+  Adjuster adjuster_;
+  Experience known_;
+  Ended ended_;
+};
+
+Snooped finished(Ended ended) {
+  Snooped out;
+  std::set<Measurement> put_back = ended.known.put_back;
+  for (const Rejection& rejected : ended.remaining.rejections) {
     out.rejected.push_back(rejected.rejected);
     put_back.erase(rejected.rejected);
   }
   out.put_back = static_cast<int>(put_back.size());
-  out.block = std::move(remaining.measurements.block);
-  out.attitudes = std::move(remaining.measurements.scope.attitudes);
-  out.kept = std::move(choice.kept);
-  out.finished = !choice.bound_is_reached;
-  out.adjusted = std::move(adjusted);
+  out.block = std::move(ended.remaining.measurements.block);
+  out.attitudes = std::move(ended.remaining.measurements.scope.attitudes);
+  out.kept = std::move(ended.choice.kept);
+  out.finished = !ended.choice.bound_is_reached;
+  out.rounds = ended.rounds;
+  out.sigma0_before = ended.sigma0_before;
+  out.with = std::move(ended.with);
+  out.adjusted = std::move(*ended.adjusted);
   return out;
+}
+
+// Nothing that has diverged is an end. `left`: that was adjusted, which may have led poses and points anywhere;
+// `given`: where they began.
+Result<> refused(const Result<Examined>& adjusted, const Measurements& left, const Measurements& given,
+                 const ExamineOptions& options, const Run& run) {
+  if (!is_bent(adjusted, options.test)) return {};
+  Block block = left.block;
+  block.poses = given.block.poses;
+  block.points = given.block.points;
+  block.cameras = given.block.cameras;
+  return refuse_diverged(adjusted, block, left.scope, options, run).map_error([](Error error) {
+    return std::move(error).within("data snooping");
+  });
+}
+
+// What is grossly wrong and cannot be told from others stays, and nothing else is tested: it spoils all tests.
+Result<Snooped> with_undecided(GrossChoice gross, const Measurements& given, const ExamineOptions& options,
+                               const Run& run) {
+  Ended ended{.remaining = std::move(gross.remaining)};
+  Measurements& left = ended.remaining.measurements;
+  Adjuster adjuster;
+  ended.adjusted = examine_to_the_end(adjuster, left.block, left.scope, options, run, ended.rounds);
+  COLLINEA_TRY(refused(ended.adjusted, left, given, options, run));
+  const Examined& adjusted = *ended.adjusted;
+  if (!adjusted.reliability) return undetermined(adjusted, left.block);
+  apply(adjusted, left.block);
+  ended.sigma0_before = adjusted.sigma0;
+  ended.with = adjusted.control;
+  ended.choice.kept = std::move(gross.kept);
+  if (ended.choice.kept.empty())
+    for (const TestedObservation& one : adjusted.reliability->suspects)
+      if (!is_image_point(one.group)) ended.choice.kept.push_back({one, StayReason::kSameDegree});
+  ended.remaining.rejections =
+      with_gross_errors(std::move(ended.remaining.rejections), left, adjusted, sigma0_of_tests(adjusted, options.test));
+  return finished(std::move(ended));
 }
 
 }  // namespace
@@ -131,43 +252,22 @@ Result<Snooped> snoop(const Block& block, const AdjustScope& scope, const Examin
                       const Run& run) {
   ExamineOptions asked = options;
   asked.reliability = true;
-  Adjuster adjuster;
-  Snooped out;
-  Experience known;
-  Round round = first_round({block, with_first_cameras(scope, block.cameras)}, most, run);
-  for (;;) {
-    Measurements& left = round.after.measurements;
-    Result<Examined> adjusted = adjust_to_the_end(adjuster, left, asked, run, out.rounds);
-    if (!adjusted && (adjusted.error().code != Errc::kIllPosed || round.rejected.empty()))
-      return tl::unexpected(std::move(adjusted).error());
-    if (const auto stay = why_taken_back(adjusted, round, known.rank_defect)) {
-      known = after_taking_back(std::move(known), round, *stay);
-      round = {.after = std::move(round.before)};
-      continue;
-    }
-    if (!is_determined(adjusted, known.rank_defect))
-      return fail(Errc::kIllPosed, "data snooping: " + label_of(adjusted->undetermined, left.block));
-    if (!known.rank_defect) {
-      out.sigma0_before = adjusted->sigma0;
-      out.with = adjusted->control;
-    }
-    known = after_confirming(std::move(known), *adjusted);
-    apply(*adjusted, left.block);
-
-    const double sigma0 = sigma0_of_tests(*adjusted, asked.test);
-    SuspectChoice choice = choose_suspects(*adjusted, left.block, known.stays, bounds_of(round.after, known, most));
-    if (!choice.suspects.empty()) {
-      round = next_round(std::move(round.after), choice, sigma0, out.rounds);
-      continue;
-    }
-    round.after.rejections = with_gross_errors(std::move(round.after.rejections), left, *adjusted, sigma0);
-    if (const auto agree = agreeing_of(round.after, choice, *adjusted, known); !agree.empty()) {
-      for (const std::size_t i : agree) known.put_back.insert(round.after.rejections[i].rejected);
-      round = {.after = put_back(std::move(round.after), agree)};
-      continue;
-    }
-    return finished(std::move(out), std::move(round.after), std::move(choice), std::move(*adjusted), known);
+  const Measurements given{block, with_first_cameras(scope, block.cameras)};
+  COLLINEA_TRY(Ended ended, Rounds(asked, most, run).from(first_round(given, most, run), false));
+  if (!ended.bent) return finished(std::move(ended));
+  std::optional<GrossChoice> gross = choose_gross(given, asked, most, run);
+  if (gross && (gross->contradiction || !gross->undecided.empty()))
+    return with_undecided(std::move(*gross), given, asked, run);
+  if (!gross) COLLINEA_TRY(refused(ended.adjusted, ended.remaining.measurements, given, asked, run));
+  Round first = gross ? Round{.after = std::move(gross->remaining)} : first_round(given, most, run);
+  Result<Ended> found = Rounds(asked, most, run).from(std::move(first), true);
+  if (!found) {
+    COLLINEA_TRY(refused(tl::unexpected(found.error()), given, given, asked, run));
+    return tl::unexpected(std::move(found).error());
   }
+  COLLINEA_TRY(refused(found->adjusted, found->remaining.measurements, given, asked, run));
+  if (ended.adjusted && ended.adjusted->reliability) found->sigma0_before = ended.adjusted->sigma0;
+  return finished(std::move(*found));
 }
 
 }  // namespace collinea

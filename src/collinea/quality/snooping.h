@@ -18,7 +18,7 @@ struct Snooped {
   int put_back = 0;                            ///< that went, and in the end agreed with what was left
   int rounds = 0;                              ///< adjustments
   bool finished = false;                       ///< nothing is left that could be rejected
-  double sigma0_before = 0;                    ///< with everything
+  double sigma0_before = 0;                    ///< with everything; of a bent one, if it has tests
   std::vector<ControlDifference> with;         ///< control and check points, with everything
   Examined adjusted;                           ///< the last, with reliability
 };
@@ -45,7 +45,9 @@ struct Snooped {
 /// that must stay is found.
 ///
 /// Image points of control that are grossly wrong go before the first adjustment, which they would bend
-/// (without_gross_control()).
+/// (without_gross_control()). Where the first adjustment is bent all the same (is_bent()), linear tests say nothing of
+/// it: gross errors are found by a robust fit and go first where that can be told (choose_gross()). Where it cannot,
+/// they stay, with those others that may be wrong instead, and nothing else is rejected.
 ///
 /// Example:
 ///
@@ -56,7 +58,8 @@ struct Snooped {
 /// each of another kind needs its own. Without a robust loss gross errors are found as theory says; with one they are
 /// tested by their full sigmas all the same.
 ///
-/// Errors: those of adjust(); kIllPosed when something is not determined with all observations.
+/// Errors: those of adjust(); kIllPosed when something is not determined with all observations; kNotConverged when what
+/// contradicts the others cannot be told from them and drives the adjustment away (refuse_diverged()).
 [[nodiscard]] Result<Snooped> snoop(const Block& block, const AdjustScope& scope, const ExamineOptions& options,
                                     int most, const Run& run);
 

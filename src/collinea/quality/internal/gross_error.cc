@@ -1,17 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/quality/internal/gross_error.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "collinea/epipolar/intersect.h"
 
 namespace collinea {
 namespace {
 
-// Variance of a coordinate of the image of a control point where its other rays meet, all images being exact [px^2].
+std::vector<SightLine> lines_of(const Rejected& rejected, const Block& block) {
+  if (rejected.control.valid()) return sight_lines(block, rejected.control);
+  std::vector<SightLine> lines;
+  for (const Observation& seen : std::ranges::equal_range(block.observations, rejected.point, {}, &Observation::point))
+    if (const auto pose = find_pose(block, seen.image))
+      lines.push_back({&block.camera_of(seen.image), *pose, seen.pixel, seen.sigma_px});
+  return lines;
+}
+
+// Variance of a coordinate of the image of a point where its other rays meet, all images being exact [px^2].
 double variance_by_rays(const Rejected& rejected, const Block& block) {
-  const auto met = intersect(sight_lines(block, rejected.control));
+  const auto met = intersect(lines_of(rejected, block));
   const Rigid3& pose = pose_of(block, rejected.image);
   Matrix23 by_cam;
   if (!met || !project(block.camera_of(rejected.image), pose * met->point_in_world, &by_cam, nullptr))
@@ -28,6 +39,20 @@ void test_gross_ray(Rejection& one, const Block& block) {
   if (std::isfinite(size)) rejected.w = size / one.sigma;
 }
 
+// The variance of an adjusted coordinate of a control point: what the others know of it.
+std::optional<double> variance_by_others(const Rejected& rejected, const Adjusted& adjusted) {
+  if (traits_of(rejected.group).source != ObservationSource::kControlCoordinates) return std::nullopt;
+  for (const ControlDifference& now : adjusted.control)
+    if (now.point == rejected.control && now.covariance_m2) return (*now.covariance_m2)(rejected.axis, rejected.axis);
+  return std::nullopt;
+}
+
+// A coordinate that was fixed.
+void test_fixed_coordinate(Rejected& rejected, const Adjusted& adjusted, double sigma0) {
+  if (const auto variance = variance_by_others(rejected, adjusted)) rejected.sigma = sigma0 * std::sqrt(*variance);
+  if (rejected.sigma > 0) rejected.w = std::abs(rejected.gross_error[rejected.axis]) / rejected.sigma;
+}
+
 }  // namespace
 
 std::vector<Rejection> with_gross_errors(std::vector<Rejection> rejections, const Measurements& left,
@@ -37,7 +62,11 @@ std::vector<Rejection> with_gross_errors(std::vector<Rejection> rejections, cons
     if (!rejected.as_pair)
       if (const auto difference = misclosure(rejected, one.given, left, adjusted))
         axes_of(rejected.group, rejected.gross_error) = axes_of(rejected.group, *difference);
-    if (rejected.round == 0) test_gross_ray(one, left.block);
+    if (!(one.sigma > 0)) {
+      test_fixed_coordinate(rejected, adjusted, sigma0);
+      continue;
+    }
+    if (rejected.round == 0 && is_image_point(rejected.group)) test_gross_ray(one, left.block);
     const double own = is_image_point(rejected.group) ? sigma0 : 1;
     rejected.sigma = one.sigma * std::sqrt(own * own + sigma0 * sigma0 * one.cofactor);
     if (const auto sigma = sigma_of_correlated(rejected, one.given, rejected.axis, sigma0, left, adjusted))

@@ -17,8 +17,9 @@ namespace collinea {
 /// predict. q is that of the adjustment after which it went, which knew less than the last one: what went since has
 /// spoilt the residuals, and hardly the geometry. What cannot be compared keeps what it had (see misclosure()).
 ///
-/// Rays of control that went before the first adjustment (Rejected::round 0) have no test: w is the gross error in
-/// sigmas, and q that of the intersection of the other rays of the point, all images being exact.
+/// Image points that went before the first adjustment (Rejected::round 0) have no test: w is the gross error in sigmas,
+/// and q that of the intersection of the other rays of the point, all images being exact. Fixed coordinates have no
+/// sigma of their own: theirs is that of what the others say.
 ///
 /// `left`: with the adjusted values. `sigma0`: by which observations are tested.
 [[nodiscard]] std::vector<Rejection> with_gross_errors(std::vector<Rejection> rejections, const Measurements& left,
