@@ -286,7 +286,9 @@ void set_calibration(const std::optional<Calibration>& asked, const AdjustmentFi
 
 Result<AdjustmentReport> adjust_project(const Project& project, const AdjustProjectOptions& asked) {
   COLLINEA_TRY(Task task, task_of(project, asked));
-  return adjust_task(std::move(task), asked, project.folder / "adjustment", project.run);
+  AdjustProjectOptions of_matches = asked;
+  of_matches.reject_mismatches = asked.reject_mismatches.value_or(true);
+  return adjust_task(std::move(task), of_matches, project.folder / "adjustment", project.run);
 }
 
 Result<> export_adjustment(const Project& project, const AdjustProjectOptions& asked,

@@ -6,6 +6,7 @@
 
 #include "collinea/base/result.h"
 #include "collinea/quality/additional_choice.h"
+#include "collinea/quality/mismatches.h"
 #include "collinea/quality/snooping.h"
 #include "collinea/quality/variance_components.h"
 
@@ -19,6 +20,7 @@ struct AdjustmentReport {
   std::optional<VarianceComponents> components;  ///< when they were estimated and applied
   std::vector<AdditionalTest> additional;        ///< of cameras with additional parameters
   double additional_level = 0;                   ///< of their tests
+  std::optional<Mismatches> mismatches;  ///< of tie points, when they were rejected
   std::optional<Snooped> snooped;  ///< when gross errors were rejected; its `adjusted` may have been moved
 };
 

@@ -30,6 +30,7 @@ struct AdjustProjectOptions {
   /// The fields of `instruments` that count; for the others, it is as orient or the file had them.
   std::set<std::string, std::less<>> changed_instruments;
   bool given_sigmas = false;
+  std::optional<bool> reject_mismatches;
   bool snoop = false;
   int snoop_most = 1000;
   bool variance_components = false;
@@ -61,6 +62,10 @@ struct AdjustProjectOptions {
         Field{"given_sigmas", &O::given_sigmas, "",
               "take the sigmas of control and the coordinates of positions as they were given, also where orient found "
               "them contradicted"});
+    visit(Field{"reject_mismatches", &O::reject_mismatches, "",
+                "reject measurements of tie points that are more probably of another point than as imprecise as the "
+                "others, all in one round"}
+              .or_auto("of a project, not of a file"));
     visit(Field{"snoop", &O::snoop, "",
                 "reject the worst suspect and adjust again, until none is left; measurements of control that orient "
                 "rejected are tried again"});

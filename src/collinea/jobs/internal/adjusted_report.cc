@@ -19,12 +19,25 @@ void report_rejected(const Snooped& snooped, const Run& run) {
   if (!snooped.finished) run.say("note: more is suspect; as many as were allowed have gone (snoop_most)");
 }
 
+void report_mismatches(const Mismatches& found, const Run& run) {
+  if (found.size() == 0) return;
+  run.say(fmt::format("note: {} of {} measurements of tie points are mismatches and rejected, {} others with them",
+                      found.wrong.size(), found.tested, found.with_them.size()));
+}
+
 }  // namespace
 
 Result<AdjustmentReport> adjusted_report(Block block, const AdjustScope& scope, const ExamineOptions& options,
                                          const AdjustProjectOptions& asked, const Run& run) {
   AdjustmentReport report;
   report.block = std::move(block);
+  if (asked.reject_mismatches.value_or(false)) {
+    COLLINEA_TRY(WithoutMismatches clean, reject_mismatches(std::move(report.block), scope, options.adjust,
+                                                            options.test.false_alarm, run));
+    report.block = std::move(clean.block);
+    report.mismatches = std::move(clean.found);
+    report_mismatches(*report.mismatches, run);
+  }
   AdjustScope left = scope;
   if (asked.snoop) {
     COLLINEA_TRY(report.snooped, snoop(report.block, scope, options, asked.snoop_most, run));
