@@ -50,11 +50,8 @@ double beta_fraction(double a, double b, double x) {
          product / a;
 }
 
-// Probability that |t| exceeds x > 0: I_y(nu / 2, 1 / 2) with y = nu / (nu + x^2).
-double student_tail(double x, double nu) {
-  const double y = nu / (nu + x * x), a = nu / 2, b = 0.5;
-  return y < (a + 1) / (a + b + 2) ? beta_fraction(a, b, y) : 1 - beta_fraction(b, a, x * x / (nu + x * x));
-}
+// Probability that |t| exceeds x > 0.
+double student_tail(double x, double nu) { return incomplete_beta(nu / 2, 0.5, nu / (nu + x * x)); }
 
 }  // namespace
 
@@ -71,6 +68,12 @@ double tau_limit(double alpha, long redundancy) {
   const double power = double(redundancy) - 2, all = cosine_tail(0, power);
   const double angle = crossing(0, std::numbers::pi / 2, alpha, [&](double x) { return cosine_tail(x, power) / all; });
   return std::sqrt(double(redundancy)) * std::sin(angle);
+}
+
+double incomplete_beta(double a, double b, double x) {
+  if (!(x > 0)) return 0;
+  if (x >= 1) return 1;
+  return x < (a + 1) / (a + b + 2) ? beta_fraction(a, b, x) : 1 - beta_fraction(b, a, 1 - x);
 }
 
 double student_limit(double alpha, double degrees_of_freedom) {

@@ -9,7 +9,7 @@ namespace collinea {
 namespace {
 
 constexpr std::array<int, 5> kLeastRays = {2, 3, 4, 6, 10};
-constexpr std::size_t kFewest = 500;
+constexpr std::size_t kFewestOfClass = 500;
 
 struct Pool {
   int least_rays;
@@ -31,12 +31,12 @@ std::vector<Pool> pools_of(const std::vector<RayError>& errors) {
   }
   std::vector<Pool> merged;
   for (Pool& pool : pools) {
-    if (!merged.empty() && merged.back().errors.size() < kFewest)
+    if (!merged.empty() && merged.back().errors.size() < kFewestOfClass)
       append(merged.back().errors, pool.errors);
     else
       merged.push_back(std::move(pool));
   }
-  if (merged.size() > 1 && merged.back().errors.size() < kFewest) {
+  if (merged.size() > 1 && merged.back().errors.size() < kFewestOfClass) {
     append(merged[merged.size() - 2].errors, merged.back().errors);
     merged.pop_back();
   }

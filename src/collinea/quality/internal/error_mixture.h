@@ -15,18 +15,18 @@ struct CheckedError {
   int directions = 0;  ///< 1 or 2; 0: nothing checks it
 };
 
-/// What errors are distributed like: a part `gross_share` is gross, alike anywhere within `gross_radius`; the others have
-/// Student's distribution in one or two dimensions.
+/// What errors are distributed like: a part `gross_share` is gross, alike anywhere up to `largest`; the others have
+/// Student's distribution in one or two dimensions, cut off there. Longer errors are rejected before an adjustment, as
+/// by orientation, which makes tails shorter than those of the distribution that shows in all the rest.
 struct ErrorDistribution {
   double scale = 1;  ///< of Student's distribution, in standard deviations as given: that of its core
   double degrees_of_freedom = std::numeric_limits<double>::infinity();  ///< infinite: the errors are normal
   double gross_share = 0;
-  double gross_radius = 0;
+  double largest = std::numeric_limits<double>::infinity();
+  int directions = 2;  ///< of most of the errors
 
   [[nodiscard]] bool is_normal() const { return degrees_of_freedom == std::numeric_limits<double>::infinity(); }
-  /// Standard deviation of a coordinate of what is not gross; infinite with two degrees of freedom and fewer.
-  [[nodiscard]] double sigma() const;
-  /// Probability that an error is a gross one.
+  /// Probability that an error is a gross one; 1 of those beyond `largest`.
   [[nodiscard]] double gross_probability(const CheckedError& error) const;
   /// What a coordinate of an error that is not gross exceeds with probability `alpha`, on either side.
   [[nodiscard]] double limit(double alpha) const;
@@ -34,7 +34,7 @@ struct ErrorDistribution {
 
 /// The distribution of given errors by maximum likelihood: expectation and maximisation (Dempster, Laird, Rubin 1977) of
 /// scale and gross share for each of some degrees of freedom (Lange, Little, Taylor 1989), then the best of these,
-/// between 1 and infinity. The simpler wins unless the other is better beyond chance (0.1 %): no gross errors, normal
+/// between 1 and infinity. What is cut off counts as missing. The simpler wins unless the other is better beyond chance (0.1 %): no gross errors, normal
 /// ones. Where the scale of normal errors is 1 to chance it is 1. Nothing with fewer than 200 errors, or when most of
 /// them are zero.
 ///
