@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -12,7 +13,8 @@
 namespace collinea {
 namespace {
 
-constexpr int kPasses = 2;                // fits of the distribution without the influence of mismatches on other rays
+constexpr int kPasses = 4;  // fits of the distribution, from the second on without the influence of mismatches on others
+constexpr double kNoBound = std::numeric_limits<double>::infinity();
 constexpr double kMoreProbableThanNot = 0.5;
 constexpr double kThreeSigmas2 = 2 * 9;   // of the difference of two tests: its variance is 2 (1 - rho)
 constexpr double kManyMismatches = 0.01;  // of the rays: poses may have followed them
@@ -52,6 +54,22 @@ std::vector<std::size_t> alternatives(const std::vector<CheckedError>& errors, s
   for (std::size_t i = 0; i < errors.size(); ++i)
     if (i != worst && most * (most - std::sqrt(errors[i].squared)) < kThreeSigmas2 * scale * scale) found.push_back(i);
   return found;
+}
+
+// What the first separation goes by. Mismatches enlarge the errors of the other rays of their points, which then look
+// like long tails; if such are there, they show again in what is separated.
+TieErrors with_short_tails(TieErrors fitted) {
+  constexpr double kLeastDegrees = 4, kLeastShare = 0.02;
+  for (TieErrors::Class& one : fitted.classes) {
+    if (one.distribution.degrees_of_freedom >= kLeastDegrees) continue;
+    one.distribution.degrees_of_freedom = kLeastDegrees;
+    one.distribution.gross_share = std::max(one.distribution.gross_share, kLeastShare);
+  }
+  return fitted;
+}
+
+bool has_gross(const TieErrors& fitted) {
+  return std::ranges::any_of(fitted.classes, [](const auto& one) { return one.distribution.gross_share > 0; });
 }
 
 // Rejects its wrong rays one after the other.
@@ -104,9 +122,12 @@ class MismatchFinder {
     if (run_.stopped()) return found;
     found.errors = fit();
     for (const auto& point : points_) found.tested += static_cast<long>(point->errors.size());
-    for (int pass = 0; pass < kPasses && !found.errors.classes.empty(); ++pass) {
-      separate_all(found.errors, false_alarm * static_cast<double>(found.tested));
-      if (pass + 1 < kPasses) found.errors = fit();
+    separate_all(with_short_tails(found.errors), kNoBound);
+    for (int pass = 1; pass < kPasses; ++pass) {
+      found.errors = fit();
+      const bool is_last = pass + 1 == kPasses || !has_gross(found.errors);
+      separate_all(found.errors, is_last ? false_alarm * static_cast<double>(found.tested) : kNoBound);
+      if (is_last) break;
     }
     for (const auto& point : points_) {
       found.wrong.insert(found.wrong.end(), point->wrong.begin(), point->wrong.end());
@@ -126,6 +147,7 @@ class MismatchFinder {
   }
 
   void separate_all(const TieErrors& distribution, double most_good) {
+    if (distribution.classes.empty()) return;
     std::vector<double> probabilities;
     for (auto& point : points_) {
       point->worst = worst_probability(point->errors, distribution);

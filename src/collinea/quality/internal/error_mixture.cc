@@ -21,6 +21,7 @@ constexpr double kFarthest = 300;        // core scales: errors beyond are gross
 constexpr double kBinsPerFactorE = 12;   // of squared length: a bin is represented by its mean
 constexpr double kBeyondChance = 10.83;  // chi-squared with one degree of freedom, 0.1 %
 constexpr int kMostFitRounds = 300;
+constexpr double kFirstShare = 0.01;     // of gross errors, where their fit begins
 // Tried values of 1 / nu. Between them the likelihood is taken for a parabola.
 constexpr std::array<double, 14> kInverse = {0,    0.02, 0.05, 0.08, 0.12, 0.16, 0.2,
                                              0.25, 0.3,  0.36, 0.43, 0.5,  0.7,  1};
@@ -38,6 +39,12 @@ double log_density(double squared, int d, double scale2, double nu) {
                                  : std::lgamma((nu + 1) / 2) - std::lgamma(nu / 2) - 0.5 * std::log(nu * std::numbers::pi);
   return constant - 0.5 * n * std::log(scale2) - (nu + n) / 2 * std::log1p(squared / (nu * scale2));
 }
+
+// Lengths that bound the errors.
+struct Radii {
+  double largest = kInfinite;  // of all
+  double gross = 0;            // within which gross ones are alike
+};
 
 double uniform_density(int d, double radius) {
   return radius <= 0 ? 0 : d == 2 ? 1 / (std::numbers::pi * radius * radius) : 1 / (2 * radius);
@@ -83,15 +90,16 @@ struct Fit {
 };
 
 // One round of expectation and maximisation for given degrees of freedom; the likelihood is that of `fit` itself.
-Fit next_fit(const std::vector<Bin>& bins, double nu, double radius, const Fit& fit) {
-  const std::array<Tail, 2> tails = {Tail(1, radius, fit.scale2, nu), Tail(2, radius, fit.scale2, nu)};
+Fit next_fit(const std::vector<Bin>& bins, double nu, const Radii& radii, const Fit& fit) {
+  const std::array<Tail, 2> tails = {Tail(1, radii.largest, fit.scale2, nu), Tail(2, radii.largest, fit.scale2, nu)};
   double good = 0, all = 0, weighted = 0, directions = 0, likelihood = 0;
   for (const Bin& bin : bins) {
     const int d = bin.directions;
     const Tail& tail = tails[static_cast<std::size_t>(d - 1)];
     const double student = (1 - fit.share) * std::exp(log_density(bin.squared, d, fit.scale2, nu)) /
                            (1 - tail.probability),
-                 gross = fit.share * uniform_density(d, radius), both = student + gross;
+                 gross = bin.squared > radii.gross * radii.gross ? 0 : fit.share * uniform_density(d, radii.gross),
+                 both = student + gross;
     const double z = bin.count * (both > 0 ? student / both : 0);
     likelihood += bin.count * std::log(std::max(both, 1e-300));
     all += bin.count;
@@ -106,9 +114,9 @@ Fit next_fit(const std::vector<Bin>& bins, double nu, double radius, const Fit& 
 }
 
 // Scale and share of gross errors for given degrees of freedom. A share that begins at zero stays zero.
-Fit fit_for(const std::vector<Bin>& bins, double nu, double radius, Fit fit, double accuracy) {
+Fit fit_for(const std::vector<Bin>& bins, double nu, const Radii& radii, Fit fit, double accuracy) {
   for (int round = 0; round < kMostFitRounds; ++round) {
-    const Fit next = next_fit(bins, nu, radius, fit);
+    const Fit next = next_fit(bins, nu, radii, fit);
     const bool settled =
         std::abs(next.scale2 - fit.scale2) < accuracy * fit.scale2 && std::abs(next.share - fit.share) < accuracy;
     fit = next;
@@ -117,29 +125,46 @@ Fit fit_for(const std::vector<Bin>& bins, double nu, double radius, Fit fit, dou
   return fit;
 }
 
+constexpr double kCoarse = 3e-4, kFine = 1e-6;
+
+// The radius of gross errors: of the largest error, its half and so on, that with which the likelihood is greatest. The
+// tails of what is not gross may reach farther.
+double gross_radius_of(const std::vector<Bin>& bins, double largest, double start2) {
+  constexpr int kCandidates = 6;
+  constexpr double kUsual = 4;                         // degrees of freedom
+  const double least = 6 * std::sqrt(start2);          // gross ones within would not be told from others
+  double best = largest, best_likelihood = -kInfinite, radius = largest;
+  for (int i = 0; i < kCandidates && radius > least; ++i, radius /= 1.6) {
+    const Fit fit = fit_for(bins, kUsual, {largest, radius}, {start2, kFirstShare}, kCoarse);
+    if (fit.log_likelihood <= best_likelihood) continue;
+    best = radius;
+    best_likelihood = fit.log_likelihood;
+  }
+  return best;
+}
+
 struct Best {
   double inverse = 0;
   Fit fit;
 };
 
 // The best degrees of freedom, with or without gross errors.
-Best best_of(const std::vector<Bin>& bins, double radius, double start2, double share) {
-  constexpr double kCoarse = 3e-4, kFine = 1e-6;
+Best best_of(const std::vector<Bin>& bins, const Radii& radii, double start2, double share) {
   std::vector<Fit> tried;
   Fit fit{start2, share};
   std::size_t best = 0;
   for (const double inverse : kInverse) {
-    tried.push_back(fit = fit_for(bins, 1 / inverse, radius, fit, kCoarse));
+    tried.push_back(fit = fit_for(bins, 1 / inverse, radii, fit, kCoarse));
     if (fit.log_likelihood > tried[best].log_likelihood) best = tried.size() - 1;
   }
-  Best found{kInverse[best], fit_for(bins, 1 / kInverse[best], radius, tried[best], kFine)};
+  Best found{kInverse[best], fit_for(bins, 1 / kInverse[best], radii, tried[best], kFine)};
   if (best == 0 || best + 1 == tried.size()) return found;
   const double left = kInverse[best] - kInverse[best - 1], right = kInverse[best + 1] - kInverse[best];
   const double slope_left = (tried[best].log_likelihood - tried[best - 1].log_likelihood) / left,
                slope_right = (tried[best + 1].log_likelihood - tried[best].log_likelihood) / right;
   if (!(slope_left > slope_right)) return found;
   const double top = kInverse[best] + 0.5 * (slope_left * right + slope_right * left) / (slope_left - slope_right);
-  const Fit between = fit_for(bins, 1 / top, radius, found.fit, kFine);
+  const Fit between = fit_for(bins, 1 / top, radii, found.fit, kFine);
   return between.log_likelihood > found.fit.log_likelihood ? Best{top, between} : found;
 }
 
@@ -167,7 +192,7 @@ double ErrorDistribution::gross_probability(const CheckedError& error) const {
   if (error.directions == 0) return 0;
   if (error.squared > kRounding * largest * largest) return 1;
   if (gross_share <= 0) return 0;
-  const double scale2 = scale * scale, gross = gross_share * uniform_density(error.directions, largest);
+  const double scale2 = scale * scale, gross = gross_share * uniform_density(error.directions, gross_radius);
   const double other = (1 - gross_share) *
                        std::exp(log_density(error.squared, error.directions, scale2, degrees_of_freedom)) /
                        (1 - Tail(error.directions, largest, scale2, degrees_of_freedom).probability);
@@ -208,18 +233,18 @@ std::optional<ErrorDistribution> fit_errors(std::span<const CheckedError> errors
     checked.push_back(one);
     largest2 = std::max(largest2, one.squared);
   }
-  const double largest = std::sqrt(largest2);
   const std::vector<Bin> bins = binned(checked);
-
-  constexpr double kFirstShare = 0.01, kFine = 1e-6;
-  const Best mixed = best_of(bins, largest, core2, kFirstShare), pure = best_of(bins, largest, core2, 0);
+  const double largest = std::sqrt(largest2);
+  const Radii radii{largest, gross_radius_of(bins, largest, core2)};
+  const Best mixed = best_of(bins, radii, core2, kFirstShare), pure = best_of(bins, radii, core2, 0);
   const bool any_gross = is_better(mixed.fit.log_likelihood, pure.fit.log_likelihood);
   const Best& best = any_gross ? mixed : pure;
-  const Fit normal = fit_for(bins, kInfinite, largest, {core2, any_gross ? kFirstShare : 0}, kFine);
+  const Fit normal = fit_for(bins, kInfinite, radii, {core2, any_gross ? kFirstShare : 0}, kFine);
   const bool is_student = best.inverse > 0 && is_better(best.fit.log_likelihood, normal.log_likelihood);
   const Fit& fit = is_student ? best.fit : normal;
   ErrorDistribution found{.scale = std::sqrt(fit.scale2),
                           .gross_share = fit.share,
+                          .gross_radius = radii.gross,
                           .largest = largest,
                           .directions = coordinates < 1.5 * count ? 1 : 2};
   if (is_student) found.degrees_of_freedom = 1 / best.inverse;

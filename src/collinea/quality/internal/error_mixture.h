@@ -15,13 +15,13 @@ struct CheckedError {
   int directions = 0;  ///< 1 or 2; 0: nothing checks it
 };
 
-/// What errors are distributed like: a part `gross_share` is gross, alike anywhere up to `largest`; the others have
-/// Student's distribution in one or two dimensions, cut off there. Longer errors are rejected before an adjustment, as
+/// What errors are distributed like: a part `gross_share` is gross, alike anywhere up to `gross_radius`; the others
+/// have Student's distribution in one or two dimensions, cut off at `largest`. Longer errors are rejected before an adjustment, as
 /// by orientation, which makes tails shorter than those of the distribution that shows in all the rest.
 struct ErrorDistribution {
   double scale = 1;  ///< of Student's distribution, in standard deviations as given: that of its core
   double degrees_of_freedom = std::numeric_limits<double>::infinity();  ///< infinite: the errors are normal
-  double gross_share = 0;
+  double gross_share = 0, gross_radius = 0;
   double largest = std::numeric_limits<double>::infinity();
   int directions = 2;  ///< of most of the errors
 
