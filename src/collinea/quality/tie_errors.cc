@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 namespace collinea {
@@ -50,6 +51,23 @@ const ErrorDistribution* TieErrors::of(int rays) const {
   auto above = std::upper_bound(classes.begin(), classes.end(), rays,
                                 [](int count, const Class& one) { return count < one.least_rays; });
   return above == classes.begin() ? &above->distribution : &std::prev(above)->distribution;
+}
+
+std::optional<TieLoss> loss_of(const TieErrors& errors) {
+  if (errors.classes.empty()) return std::nullopt;
+  const bool any_of_three = errors.classes.back().least_rays > 2;
+  double count = 0, squares = 0, inverse = 0;
+  for (const TieErrors::Class& one : errors.classes) {
+    if (any_of_three && one.least_rays <= 2) continue;
+    const auto n = static_cast<double>(one.errors);
+    count += n;
+    squares += n * one.distribution.scale * one.distribution.scale;
+    inverse += n / one.distribution.degrees_of_freedom;
+  }
+  const double scale2 = squares / count;
+  if (inverse == 0) return TieLoss{.sigma_factor = std::sqrt(scale2)};
+  const double nu = count / inverse;
+  return TieLoss{std::sqrt(scale2 * nu / (nu + 2)), Loss::kCauchy, std::sqrt(nu + 2)};
 }
 
 TieErrors fit_tie_errors(const std::vector<RayError>& errors) {

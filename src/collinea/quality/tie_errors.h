@@ -35,4 +35,28 @@ struct TieErrors {
 /// their neighbour.
 [[nodiscard]] TieErrors fit_tie_errors(const std::vector<RayError>& errors);
 
+/// How an adjustment takes tie points whose errors are like that: their sigmas times a factor, and a loss.
+struct TieLoss {
+  double sigma_factor = 1;
+  Loss::Kind loss = Loss::kNone;
+  double loss_scale_sigmas = 2;
+};
+
+/// The loss by which the adjusted values are those of greatest likelihood: none for normal errors; of Student's with nu
+/// degrees of freedom Cauchy's with k^2 = nu + 2, for sigmas that are nu / (nu + 2) of the squared scale (Lange, Little,
+/// Taylor 1989). Scale and 1 / nu are means over the classes of three rays and more, in proportion of their errors;
+/// those of two rays show the sum of two errors. Nothing when there are no classes.
+///
+///     const auto shown = loss_of(clean.found.errors);
+///     SigmaFactors factors = as_given();
+///     factors[std::size_t(ObservationGroup::kTieImages)] = shown->sigma_factor;
+///     options.adjust.loss = shown->loss;
+///     options.adjust.loss_scale_sigmas = shown->loss_scale_sigmas;
+///     examine(with_sigmas(clean.block, factors), scope, options, run);
+///
+/// Covariances are those of the estimate under that loss (RobustSquares::information()); sigma0 is not 1 but, of three
+/// degrees of freedom, 1.3: it is that of normal residuals with the same weighted squares. On photographs least squares
+/// comes nearer to the truth than it, although their errors have long tails: neighbouring errors are alike.
+[[nodiscard]] std::optional<TieLoss> loss_of(const TieErrors& errors);
+
 }  // namespace collinea
