@@ -117,6 +117,8 @@ enum class FindingCode : std::uint8_t {
   kInstrument,              ///< a lever arm, shift, drift, boresight or time offset as estimated
   kInstrumentsMore,         ///< those of further strips
   kSystematic,              ///< an error that many observations have in common, and what cannot be told from it
+  kSystematicTakenUp,       ///< the same; the adjustment now estimates it
+  kGrossErrorRejected,      ///< a measurement of what was given that data snooping rejected
   kPartApart,               ///< images that hang together but not with the block
   kImagesAlone,             ///< images that could not be oriented
   // Products

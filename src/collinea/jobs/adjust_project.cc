@@ -101,8 +101,8 @@ Result<> complete(Block& block, const Run& run) {
   return {};
 }
 
-// Those of the file, but for what is asked otherwise.
-Result<> add_instruments_of_file(AdjustmentFile& file, const InstrumentChanges& asked, AdjustScope& scope) {
+// Those of the file, but for what is asked otherwise. What takes part is not taken up once more.
+Result<> add_instruments_of_file(AdjustmentFile& file, const InstrumentChanges& asked, AdjustmentTask& task) {
   Instruments& given = file.instruments;
   InstrumentOptions options;
   options.time_offset = !given.time_offset_sigma_s.empty();
@@ -114,8 +114,12 @@ Result<> add_instruments_of_file(AdjustmentFile& file, const InstrumentChanges& 
   if (!options.use_attitudes) given.attitudes.clear();
   options.time_offset &= given.time_offset_sigma_s.empty();
   options.use_attitudes &= given.attitudes.empty();
-  static_cast<Instruments&>(scope) = std::move(given);
-  return add_instruments(file.block, options, scope);
+  task.instruments = options;
+  task.instruments.time_offset |= !given.time_offset_sigma_s.empty();
+  if (!given.lever_arms.empty() && !has_lever_arm(options)) task.instruments.lever_arm = LeverArmOption("estimate");
+  if (!given.position_tracks.empty()) task.instruments.position_shift = PositionShift::kBlock;
+  static_cast<Instruments&>(task.scope) = std::move(given);
+  return add_instruments(file.block, options, task.scope);
 }
 
 void set_calibration(const std::optional<Calibration>& asked, const AdjustmentFile& file, AdjustScope& scope) {
@@ -160,11 +164,13 @@ Result<AdjustmentReport> adjust_file(const std::filesystem::path& path, const st
                                 .corrected_cameras = file.corrected_cameras,
                                 .use_positions = asked.use_positions,
                                 .use_control = asked.use_control},
-                      .options = examine_options(asked, Calibration::kNone)};
+                      .options = examine_options(asked, Calibration::kNone),
+                      .reject_mismatches = asked.reject_mismatches.value_or(false)};
+  if (asked.snoop.value_or(false)) task.snoop = SnoopedKinds::kAll;
   set_calibration(asked.calibration, file, task.scope);
   if (!asked.use_geodetic)
     for (GeodeticObservation& measured : file.block.geodetic) measured.role = ControlRole::kCheck;
-  COLLINEA_TRY(add_instruments_of_file(file, asked.instruments, task.scope));
+  COLLINEA_TRY(add_instruments_of_file(file, asked.instruments, task));
   task.block = std::move(file.block);
   COLLINEA_TRY(const std::vector<std::string> instead, set_additional(asked, task));
   if (const std::string note = fixed_instead_words(instead); !note.empty()) run.say("note: " + note);

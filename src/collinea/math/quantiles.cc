@@ -29,6 +29,30 @@ double cosine_tail(double from, double power) {
   return sum * h / 3;
 }
 
+// Incomplete beta function I_x(a, b) by its continued fraction, which converges fast for x < (a + 1) / (a + b + 2)
+// (DLMF 8.17.22, by the method of Lentz).
+double beta_fraction(double a, double b, double x) {
+  constexpr int kMostTerms = 500;
+  constexpr double kTiny = 1e-300, kSettled = 1e-14;
+  const auto off_zero = [](double value) { return std::abs(value) < kTiny ? kTiny : value; };
+  double c = 1, d = 1 / off_zero(1 - (a + b) * x / (a + 1)), product = d;
+  for (int m = 1; m <= kMostTerms; ++m) {
+    const double even = m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m)),
+                 odd = -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1));
+    for (const double term : {even, odd}) {
+      d = 1 / off_zero(1 + term * d);
+      c = off_zero(1 + term / c);
+      product *= c * d;
+    }
+    if (std::abs(c * d - 1) < kSettled) break;
+  }
+  return std::exp(a * std::log(x) + b * std::log1p(-x) + std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b)) *
+         product / a;
+}
+
+// Probability that |t| exceeds x > 0.
+double student_tail(double x, double nu) { return incomplete_beta(nu / 2, 0.5, nu / (nu + x * x)); }
+
 }  // namespace
 
 double normal_limit(double alpha) {
@@ -44,6 +68,21 @@ double tau_limit(double alpha, long redundancy) {
   const double power = double(redundancy) - 2, all = cosine_tail(0, power);
   const double angle = crossing(0, std::numbers::pi / 2, alpha, [&](double x) { return cosine_tail(x, power) / all; });
   return std::sqrt(double(redundancy)) * std::sin(angle);
+}
+
+double incomplete_beta(double a, double b, double x) {
+  if (!(x > 0)) return 0;
+  if (x >= 1) return 1;
+  return x < (a + 1) / (a + b + 2) ? beta_fraction(a, b, x) : 1 - beta_fraction(b, a, 1 - x);
+}
+
+double student_limit(double alpha, double degrees_of_freedom) {
+  COLLINEA_CHECK(alpha > 0 && alpha < 1 && degrees_of_freedom > 0);
+  constexpr double kAsNormal = 1e6;
+  if (degrees_of_freedom > kAsNormal) return normal_limit(alpha);
+  // By the logarithm: with few degrees of freedom limits are large.
+  return std::exp(
+      crossing(0, 800, alpha, [&](double x) { return student_tail(std::exp(x - 80), degrees_of_freedom); }) - 80);
 }
 
 double power_of_test(double shift, double limit) {

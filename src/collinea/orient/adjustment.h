@@ -7,6 +7,7 @@
 #include "collinea/adjust/refraction.h"
 #include "collinea/orient/adjustment_options.h"
 #include "collinea/quality/additional_choice.h"
+#include "collinea/quality/mismatches.h"
 #include "collinea/quality/snooping.h"
 #include "collinea/quality/variance_components.h"
 
@@ -17,14 +18,21 @@ struct AdjustmentTask {
   Block block;
   AdjustScope scope;
   ExamineOptions options;
+  InstrumentOptions instruments;      ///< that the scope has
+  bool reject_mismatches = false;     ///< of tie points
+  std::optional<SnoopedKinds> snoop;  ///< what is examined for gross errors; nothing: they are only named
 };
 
 /// An adjusted block and all that is known of it.
 struct Adjustment {
-  Block block;                         ///< as adjusted, with the sigmas that were used
-  Examined adjusted;                   ///< with covariances and reliability
-  std::optional<Refracted> refracted;  ///< when measurements were corrected for refraction
-  std::optional<Snooped> snooped;      ///< when gross errors were rejected; its `adjusted` may have been moved
+  Block block;                                   ///< as adjusted, with the sigmas that were used
+  Examined adjusted;                             ///< with covariances and reliability
+  AdjustScope scope;                             ///< of that
+  InstrumentOptions instruments;                 ///< that took part, with those that were taken up
+  std::vector<SystematicTest> taken_up;          ///< the tests for which instruments or camera parameters were
+  std::optional<Refracted> refracted;            ///< when measurements were corrected for refraction
+  std::optional<Mismatches> mismatches;          ///< of tie points, when they were rejected
+  std::optional<Snooped> snooped;                ///< when gross errors were rejected; its `adjusted` may have been moved
   std::optional<VarianceComponents> components;  ///< when they were estimated and applied
   std::vector<AdditionalTest> additional;        ///< of cameras with additional parameters
   double additional_level = 0;                   ///< of their tests

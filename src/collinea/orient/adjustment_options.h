@@ -64,9 +64,12 @@ struct AdjustmentOptions {
   bool use_geodetic = true;
   InstrumentChanges instruments;
   bool given_sigmas = false;
+  std::optional<bool> reject_mismatches;
   std::optional<bool> snoop;
   int snoop_most = 1000;
   bool variance_components = false;
+  Systematics systematics = Systematics::kAuto;
+  double systematics_level = 0.001;
   TestOptions tests;
 
   template <class Visit>
@@ -104,6 +107,10 @@ struct AdjustmentOptions {
     visit(Field{"snoop_most", &O::snoop_most, "1", "upper bound of what snooping rejects", 1, 1000000});
     visit(Field{"variance_components", &O::variance_components, "",
                 "estimate the standard deviations of each group of observations, and use them"});
+    visit(Field{"systematics", &O::systematics, "",
+                "errors that many observations have in common: instruments, vertical datum, cameras, atmosphere"});
+    visit(Field{"systematics_level", &O::systematics_level, "1",
+                "chance that any of them is named in a block without", 1e-12, 0.5});
     visit(Part{&O::tests});
     visit(Group{"adjust_instruments", &O::instruments});
   }

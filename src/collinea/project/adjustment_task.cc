@@ -46,7 +46,7 @@ void judge_as_orient_did(const OrientationRecord& orientation, bool shift_positi
 // Control and positions as they took part in orientation.
 void take_control(const Project& project, const AdjustmentOptions& asked, const Block& setup,
                   const ProjectAdjustment& result, Block& block) {
-  const bool shift_is_unknown = result.instruments.position_shift != PositionShift::kNone;
+  const bool shift_is_unknown = result.task.instruments.position_shift != PositionShift::kNone;
   const AdjustScope& scope = result.task.scope;
   if (scope.use_control) block = reject_wrong_control(block, block, shift_is_unknown, project.settings.seed).setup;
   if (asked.snoop.value_or(false)) {  // those that orient rejected too
@@ -81,7 +81,7 @@ Result<ProjectAdjustment> adjustment_of(const Project& project, const Adjustment
   COLLINEA_TRY(const Block setup, project.store.read_setup());
   AdjustmentTask& task = result.task;
   COLLINEA_TRY(task.block, project.store.read_found());
-  result.instruments = changed(orientation.instruments, asked.instruments);
+  task.instruments = changed(orientation.instruments, asked.instruments);
   task.scope = {.first_cameras = setup.cameras,
                 .use_positions = asked.use_positions && orientation.used_positions,
                 .use_control = asked.use_control && orientation.used_control};
@@ -89,9 +89,11 @@ Result<ProjectAdjustment> adjustment_of(const Project& project, const Adjustment
     for (const auto& [image, pose] : oriented_images(task.block)) task.scope.fixed_images.insert(image);
   take_control(project, asked, setup, result, task.block);
   choose_geodetic(task.block, orientation, asked.use_geodetic && !orientation.holds_given_poses);
-  COLLINEA_TRY(add_instruments(task.block, result.instruments, task.scope));
+  COLLINEA_TRY(add_instruments(task.block, task.instruments, task.scope));
   task.options = examine_options(asked, asked.calibration.value_or(orientation.calibration));
   if (!asked.loss) task.options.adjust.loss = Loss::kNone;
+  task.reject_mismatches = asked.reject_mismatches.value_or(!orientation.holds_given_poses);
+  if (asked.snoop.value_or(true)) task.snoop = asked.snoop ? SnoopedKinds::kAll : SnoopedKinds::kGiven;
   COLLINEA_TRY(const std::vector<std::string> instead, set_additional(asked, task));
   if (const std::string note = fixed_instead_words(instead); !note.empty()) project.run.say("note: " + note);
   return result;

@@ -11,7 +11,6 @@ namespace collinea {
 struct ProjectAdjustment {
   AdjustmentTask task;
   OrientationRecord orientation;  ///< how the block was found
-  InstrumentOptions instruments;  ///< that take part
 };
 
 /// Begins at what orientation left, whatever was adjusted since: the same options give the same adjustment. Control and

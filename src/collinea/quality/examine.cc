@@ -132,6 +132,8 @@ Result<Adjusted> adjust_with_control_precision(Adjuster& adjuster, const Block& 
   }
   if (run.stopped()) return fail(Errc::kCancelled, "bundle adjustment stopped");
   return adjusted;
+}
+
 Result<Examined> examine_to_the_end(Adjuster& adjuster, Block& block, const AdjustScope& scope,
                                     const ExamineOptions& options, const Run& run, int& adjustments) {
   constexpr int kMostRepeats = 3;

@@ -2,7 +2,9 @@
 #include "collinea/quality/snooping.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <set>
 #include <utility>
@@ -118,9 +120,21 @@ struct Ended {
   bool bent = false;  // the first adjustment, after which nothing was done
 };
 
+// Those that are no tie points, worst first. (Of all suspects only the worst are kept, which tie points may fill.)
+std::vector<TestedObservation> given_suspects(const Reliability& tests) {
+  std::vector<TestedObservation> suspects;
+  for (const TestedObservation& one : tests.others)
+    if (!(std::abs(one.w) <= one.limit)) suspects.push_back(one);
+  std::stable_sort(suspects.begin(), suspects.end(), [](const TestedObservation& a, const TestedObservation& b) {
+    return std::abs(a.suspicion) > std::abs(b.suspicion);
+  });
+  return suspects;
+}
+
 class Rounds {
  public:
-  Rounds(const ExamineOptions& options, int most, const Run& run) : options_(options), most_(most), run_(run) {}
+  Rounds(const ExamineOptions& options, int most, const Run& run, SnoopedKinds kinds)
+      : options_(options), most_(most), run_(run), kinds_(kinds) {}
 
   // Ends after the first adjustment if that is bent and `may_be_bent` is false.
   Result<Ended> from(Round round, bool may_be_bent) {
@@ -166,10 +180,14 @@ class Rounds {
   }
 
   // The next round; false when there is none.
-  bool go_on(Round& round, const Examined& adjusted) {
+  bool go_on(Round& round, Examined& adjusted) {
     const double sigma0 = sigma0_of_tests(adjusted, options_.test);
     const Block& block = round.after.measurements.block;
+    std::vector<TestedObservation>& suspects = adjusted.reliability->suspects;
+    std::vector<TestedObservation> all = suspects;
+    if (kinds_ == SnoopedKinds::kGiven) suspects = given_suspects(*adjusted.reliability);
     ended_.choice = choose_suspects(adjusted, block, known_.stays, bounds_of(round.after, known_, most_));
+    suspects = std::move(all);
     if (!ended_.choice.suspects.empty()) {
       round = next_round(std::move(round.after), ended_.choice, sigma0, ended_.rounds);
       return true;
@@ -186,6 +204,7 @@ class Rounds {
   const ExamineOptions& options_;
   const int most_;
   const Run& run_;
+  const SnoopedKinds kinds_;
   Adjuster adjuster_;
   Experience known_;
   Ended ended_;
@@ -249,18 +268,18 @@ Result<Snooped> with_undecided(GrossChoice gross, const Measurements& given, con
 }  // namespace
 
 Result<Snooped> snoop(const Block& block, const AdjustScope& scope, const ExamineOptions& options, int most,
-                      const Run& run) {
+                      const Run& run, SnoopedKinds kinds) {
   ExamineOptions asked = options;
   asked.reliability = true;
   const Measurements given{block, with_first_cameras(scope, block.cameras)};
-  COLLINEA_TRY(Ended ended, Rounds(asked, most, run).from(first_round(given, most, run), false));
+  COLLINEA_TRY(Ended ended, Rounds(asked, most, run, kinds).from(first_round(given, most, run), false));
   if (!ended.bent) return finished(std::move(ended));
   std::optional<GrossChoice> gross = choose_gross(given, asked, most, run);
   if (gross && (gross->contradiction || !gross->undecided.empty()))
     return with_undecided(std::move(*gross), given, asked, run);
   if (!gross) COLLINEA_TRY(refused(ended.adjusted, ended.remaining.measurements, given, asked, run));
   Round first = gross ? Round{.after = std::move(gross->remaining)} : first_round(given, most, run);
-  Result<Ended> found = Rounds(asked, most, run).from(std::move(first), true);
+  Result<Ended> found = Rounds(asked, most, run, kinds).from(std::move(first), true);
   if (!found) {
     COLLINEA_TRY(refused(tl::unexpected(found.error()), given, given, asked, run));
     return tl::unexpected(std::move(found).error());
@@ -268,6 +287,47 @@ Result<Snooped> snoop(const Block& block, const AdjustScope& scope, const Examin
   COLLINEA_TRY(refused(found->adjusted, found->remaining.measurements, given, asked, run));
   if (ended.adjusted && ended.adjusted->reliability) found->sigma0_before = ended.adjusted->sigma0;
   return finished(std::move(*found));
+}
+
+namespace {
+
+std::vector<Subject> subjects_of(const Rejected& rejected) {
+  switch (traits_of(rejected.group).source) {
+    case ObservationSource::kControlImagePoint:
+      return {rejected.control, rejected.image};
+    case ObservationSource::kControlCoordinates:
+      return {Subject(rejected.control,
+                      rejected.group == ObservationGroup::kControlPlan ? Aspect::kPlan : Aspect::kHeight)};
+    case ObservationSource::kPosition:
+      return {Subject(rejected.image, Aspect::kPosition)};
+    case ObservationSource::kAttitude:
+      return {Subject(rejected.image, Aspect::kAttitude)};
+    case ObservationSource::kGeodetic:
+      return {Subject::geodetic(rejected.geodetic)};
+    case ObservationSource::kTieImagePoint:
+      break;
+  }
+  return {rejected.point, rejected.image};
+}
+
+}  // namespace
+
+std::vector<Finding> rejected_findings(const Snooped& snooped) {
+  std::vector<Finding> findings;
+  for (const Rejected& rejected : snooped.rejected) {
+    if (rejected.group == ObservationGroup::kTieImages) continue;
+    const double unit = is_angle(rejected.group) ? 180 / std::numbers::pi : 1;
+    const FigureName size = is_image_point(rejected.group) ? FigureName::kOffsetPx
+                            : is_angle(rejected.group)     ? FigureName::kDifferenceAngle
+                                                           : FigureName::kOffset;
+    const bool in_plan = std::isfinite(rejected.gross_error.x()) && std::isfinite(rejected.gross_error.y());
+    const double off = in_plan ? rejected.gross_error.head<2>().norm() : std::abs(rejected.gross_error[rejected.axis]);
+    findings.push_back(finding_of(FindingCode::kGrossErrorRejected, subjects_of(rejected),
+                                  {{size, unit * off},
+                                   {FigureName::kSigma, unit * rejected.sigma},
+                                   {FigureName::kDifference, unit * std::abs(rejected.influence)}}));
+  }
+  return findings;
 }
 
 }  // namespace collinea

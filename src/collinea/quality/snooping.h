@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <vector>
 
@@ -8,6 +9,11 @@
 #include "collinea/quality/internal/rejected.h"
 
 namespace collinea {
+
+/// What data snooping may reject: everything, or what is given (control in images and on the ground, positions,
+/// attitudes, measurements on the ground), but no tie points: of thousands a few go by chance, and mismatches are found
+/// all at once (reject_mismatches()).
+enum class SnoopedKinds : std::uint8_t { kAll, kGiven };
 
 /// What data snooping leaves.
 struct Snooped {
@@ -61,6 +67,10 @@ struct Snooped {
 /// Errors: those of adjust(); kIllPosed when something is not determined with all observations; kNotConverged when what
 /// contradicts the others cannot be told from them and drives the adjustment away (refuse_diverged()).
 [[nodiscard]] Result<Snooped> snoop(const Block& block, const AdjustScope& scope, const ExamineOptions& options,
-                                    int most, const Run& run);
+                                    int most, const Run& run, SnoopedKinds kinds = SnoopedKinds::kAll);
+
+/// What was rejected of that which was given (no tie points), a finding each: by how much it is off, the standard
+/// deviation of that, and how far it had moved its adjusted value [px, m, deg].
+[[nodiscard]] std::vector<Finding> rejected_findings(const Snooped& snooped);
 
 }  // namespace collinea

@@ -102,4 +102,7 @@ inline constexpr double kTakenUpBelow = 1e-6;
 /// from it as further subjects. It is a note when it moves no point by more than its standard deviation.
 [[nodiscard]] std::vector<Finding> systematic_findings(const std::vector<SystematicTest>& tests);
 
+/// The same of tests for which the adjustment now has an unknown.
+[[nodiscard]] std::vector<Finding> taken_up_findings(const std::vector<SystematicTest>& tests);
+
 }  // namespace collinea

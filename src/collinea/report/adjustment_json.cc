@@ -170,6 +170,20 @@ json groups(const AdjustmentReport& report, const Reliability& tests) {
   return list;
 }
 
+json tie_errors(const Reliability& tests) {
+  json list = json::array();
+  for (std::size_t i = 0; i < tests.tie_errors.classes.size(); ++i) {
+    const TieErrors::Class& one = tests.tie_errors.classes[i];
+    list.push_back({{"least_rays", one.least_rays},
+                    {"errors", one.errors},
+                    {"scale", number(one.distribution.scale)},
+                    {"degrees_of_freedom", number(one.distribution.degrees_of_freedom)},
+                    {"gross_share", number(one.distribution.gross_share)},
+                    {"limit", number(tests.tie_limits[i])}});
+  }
+  return list;
+}
+
 json left_out_point(const AdjustmentReport& report, const LeftOutPoint& one) {
   return {{"name", report.block.control.at(one.point).name},
           {"difference_m", vector(one.difference_m)},
@@ -196,6 +210,7 @@ json reliability(const AdjustmentReport& report, const Reliability& tests) {
           {"power", tests.power},
           {"test", tests.sigma0_known ? "w" : "tau"},
           {"limit", tests.limit},
+          {"tie_errors", tie_errors(tests)},
           {"tested", tests.tested},
           {"rejected", tests.rejected},
           {"unseen", tests.unseen},

@@ -187,7 +187,7 @@ std::string group_table(const AdjustmentReport& report, const Reliability& tests
   return html + "</tbody></table></section>\n";
 }
 
-std::string test_rows(const std::vector<TestedObservation>& observations, const Block& block, double limit) {
+std::string test_rows(const std::vector<TestedObservation>& observations, const Block& block) {
   std::string html = head({"observation", "unit", "residual", "&sigma; given", "redundancy", "w", "gross error",
                            "minimal detectable", "its effect", "effect [&sigma;]"});
   for (std::size_t i = 0; i < std::min(observations.size(), kMostRows); ++i) {
@@ -196,7 +196,7 @@ std::string test_rows(const std::vector<TestedObservation>& observations, const 
     const int decimals = decimals_for(one.sigma, unit == "px" ? 2 : unit == "deg" ? 5 : kDecimals);
     html += "<tr>" + text_cell(name_of(one, block)) + text_cell(unit_of(one)) + cell(one.residual, decimals) +
             cell(one.sigma, decimals) + cell(one.redundancy, 2) +
-            fmt::format("<td{}>{:+.1f}</td>", std::abs(one.w) > limit ? " class=\"bad\"" : "", one.w) +
+            fmt::format("<td{}>{:+.1f}</td>", std::abs(one.w) > one.limit ? " class=\"bad\"" : "", one.w) +
             cell(one.gross_error, decimals) + cell(one.minimal_detectable_bias, decimals) + cell(one.effect, decimals) +
             cell(one.effect_in_sigmas, 1) + "</tr>\n";
   }
@@ -214,16 +214,26 @@ std::string words_of_unseen(long count) {
       count);
 }
 
+// The limits of tie points, where their errors show others than normal ones would have.
+std::string words_of_tie_limits(const Reliability& tests) {
+  if (tests.tie_limits.empty()) return "";
+  const auto [least, most] = std::minmax_element(tests.tie_limits.begin(), tests.tie_limits.end());
+  if (*least == tests.limit && *most == tests.limit) return "";
+  return *most - *least < 0.005 ? fmt::format(", tie points {:.2f} by the distribution of their errors", *most)
+                                : fmt::format(", tie points {:.2f} to {:.2f} by the distribution of their errors",
+                                              *least, *most);
+}
+
 std::string tests_section(const AdjustmentReport& report, const Reliability& tests) {
   std::string html = fmt::format(
-      "<section><h2>Suspected gross errors</h2>\n<p>Of {} {} {} the limit {:.2f} of {}; about {:.0f} would do so by "
+      "<section><h2>Suspected gross errors</h2>\n<p>Of {} {} {} the limit {:.2f} of {}{}; about {:.0f} would do so by "
       "chance (level {:g}). Test again after rejecting the worst, which comes first: one gross error spoils its "
       "neighbours, and some of them may have a larger w.{}{}</p>\n",
       counted(tests.tested, "observation"), tests.rejected, tests.rejected == 1 ? "exceeds" : "exceed", tests.limit,
-      tests.sigma0_known ? "Baarda's w" : "Pope's tau", tests.false_alarm * double(tests.tested), tests.false_alarm,
+      tests.sigma0_known ? "Baarda's w" : "Pope's tau", words_of_tie_limits(tests), tests.false_alarm * double(tests.tested), tests.false_alarm,
       words_of_unseen(tests.unseen),
       tests.suspects.size() > kMostRows ? " The worst are shown; suspects.csv has more." : "");
-  if (!tests.suspects.empty()) html += test_rows(tests.suspects, report.block, tests.limit);
+  if (!tests.suspects.empty()) html += test_rows(tests.suspects, report.block);
   html += "</section>\n";
   std::vector<TestedObservation> surveyed;
   for (const TestedObservation& one : tests.others)
@@ -236,7 +246,7 @@ std::string tests_section(const AdjustmentReport& report, const Reliability& tes
                 "with a "
                 "probability of {:.0f} %; its effect is how far it would move the adjusted coordinate unnoticed.</p>\n",
                 report.adjusted.geodetic.empty() ? "" : " and measurements on the ground", 100 * tests.power) +
-            test_rows(surveyed, report.block, tests.limit) + "</section>\n";
+            test_rows(surveyed, report.block) + "</section>\n";
   return html;
 }
 

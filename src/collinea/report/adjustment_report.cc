@@ -36,6 +36,9 @@ std::vector<std::string> notes_of(const AdjustmentReport& report) {
     notes.push_back(
         fmt::format("refraction: {} measurements corrected by up to {:.3f} px{}", done->corrected, done->largest_px,
                     done->left == 0 ? "" : fmt::format("; {} left, more than 75 degrees from the nadir", done->left)));
+  if (const auto& found = report.mismatches; found && found->size() > 0)
+    notes.push_back(fmt::format("{} of {} measurements of tie points are mismatches and rejected, {} others with them",
+                                found->wrong.size(), found->tested, found->with_them.size()));
   if (report.snooped) add_rejected(*report.snooped, notes);
   if (report.components && !report.components->converged)
     notes.emplace_back("the variance components have not settled; the last ones are used");

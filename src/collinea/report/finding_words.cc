@@ -537,6 +537,21 @@ std::string instrument_words(const Words& w) {
                      listed(w.finding.figures_of(F::kValueSigma), "{:.{}f}", decimals));
 }
 
+// With unit: px in images, m on the ground, degrees.
+std::string gross_error_words(const Words& w) {
+  const bool in_image = w.finding.figure(F::kOffsetPx).has_value(), angle = w.finding.figure(F::kDifferenceAngle).has_value();
+  const char* unit = in_image ? "px" : angle ? "degrees" : "m";
+  const double off = w[in_image ? F::kOffsetPx : angle ? F::kDifferenceAngle : F::kOffset];
+  const int decimals = in_image ? 1 : angle ? 4 : 3;
+  std::string text = fmt::format("{}{} contradicts all else by {:.{}f} {}", w.subject(0),
+                                 in_image ? " in " + w.subject(1) : "", off, decimals, unit);
+  if (std::isfinite(w[F::kSigma])) text += fmt::format(" (sigma {:.{}f})", w[F::kSigma], decimals + 1);
+  text += " and was rejected.";
+  if (std::isfinite(w[F::kDifference]) && w[F::kDifference] > 0)
+    text += fmt::format(" It had moved the adjusted value by {:.{}f} {}.", w[F::kDifference], decimals, unit);
+  return text;
+}
+
 std::string words_of_orientation(const Words& w) {
   switch (w.finding.code) {
     case C::kFewFitGiven:
@@ -559,6 +574,10 @@ std::string words_of_orientation(const Words& w) {
       return instrument_words(w);
     case C::kSystematic:
       return systematic_words(w.finding, w.block);
+    case C::kSystematicTakenUp:
+      return systematic_words(w.finding, w.block) + " It is estimated now.";
+    case C::kGrossErrorRejected:
+      return gross_error_words(w);
     case C::kInstrumentsMore:
       return "Shifts and drifts of other strips that are not listed: " + w.whole(F::kCount) + ".";
     case C::kPartApart:

@@ -34,8 +34,8 @@ std::string words(const OrientationRecord& r) {
 }
 
 std::string words(const AdjustmentRecord& r) {
-  return fmt::format("sigma0 {:.3f}, redundancy {}, mean residual {:.2f} px{}", r.sigma0, r.redundancy,
-                     r.mean_reprojection_px,
+  return fmt::format("sigma0 {:.3f}, redundancy {}, mean residual {:.2f} px{}{}", r.sigma0, r.redundancy,
+                     r.mean_reprojection_px, r.mismatches == 0 ? "" : fmt::format(", {} mismatches", r.mismatches),
                      r.rejected == 0 ? "" : ", " + counted(r.rejected, "measurement") + " rejected");
 }
 

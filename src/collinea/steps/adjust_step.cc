@@ -12,12 +12,13 @@ namespace collinea {
 
 Result<StepOutput> adjust_step(Project& project, const std::string& inputs_hash) {
   const AdjustmentOptions& options = project.settings.adjust;
-  COLLINEA_TRY(const ProjectAdjustment begun, adjustment_of(project, options));
+  COLLINEA_TRY(ProjectAdjustment begun, adjustment_of(project, options));
+  const Calibration calibration = begun.task.options.adjust.calibration;
   COLLINEA_TRY(const Block setup, project.store.read_setup());
   AdjustmentReport report;
-  COLLINEA_TRY(static_cast<Adjustment&>(report), adjust_block(begun.task, options, project.run));
+  COLLINEA_TRY(static_cast<Adjustment&>(report), adjust_block(std::move(begun.task), options, project.run));
   report.title = title_of(project);
-  const AdjustmentRecord record = record_of(report, begun.orientation, setup, begun.task, begun.instruments);
+  const AdjustmentRecord record = record_of(report, begun.orientation, setup, calibration);
   std::array<Result<>, 2> written;
   parallel_for(project.run, written.size(), [&](std::size_t i) {
     written[i] = i == 0 ? write_adjustment(report, project.folder / "adjustment", project.run)

@@ -192,6 +192,7 @@ struct AdjustmentRecord {
   static constexpr std::string_view kStep = "adjust";
   std::uint64_t images = 0, tie_points = 0;  ///< that took part
   std::uint64_t observations = 0;            ///< of tie points, that took part
+  std::uint64_t mismatches = 0;              ///< measurements of tie points that were of others, rejected
   std::uint64_t rejected = 0;                ///< measurements that data snooping rejected
   double mean_reprojection_px = 0;           ///< mean length of the residuals of tie points
   double sigma0 = 0;
@@ -215,6 +216,7 @@ struct AdjustmentRecord {
     visit("images", &R::images);
     visit("tie_points", &R::tie_points);
     visit("observations", &R::observations);
+    visit("mismatches", &R::mismatches);
     visit("rejected", &R::rejected);
     visit("mean_reprojection_px", &R::mean_reprojection_px);
     visit("sigma0", &R::sigma0);

@@ -11,6 +11,7 @@
 #include "collinea/math/robust_squares.h"
 #include "collinea/quality/internal/covariance.h"
 #include "collinea/quality/internal/point_cofactor.h"
+#include "collinea/quality/internal/point_rays.h"
 
 namespace collinea {
 namespace {
@@ -58,12 +59,14 @@ class Examiner {
     out_.limit = known ? normal_limit(options.false_alarm) : tau_limit(options.false_alarm, adjusted.redundancy);
     const double quantile = options.power > 0.5 ? normal_limit(2 * (1 - options.power)) : 0;
     out_.delta0 = normal_limit(options.false_alarm) + quantile;
+    fits_ties_ = !options.normal_ties && !known;
   }
 
   Reliability examine(const Block& block) {
     compute_leverages();
     by_source_.assign(block.observations.size(), Eigen::Vector2d::Constant(kNaN));
     if (run_.stopped()) return out_;
+    if (fits_ties_) fit_ties();
     ImagePoint::for_each(problem_, [&](const ImagePoint::Item& item) { take_image_point(item, block); });
     out_.tie_redundancy.reserve(adjusted_.observations.size());
     for (const std::uint32_t source : adjusted_.observations) out_.tie_redundancy.push_back(by_source_[source]);
@@ -80,8 +83,47 @@ class Examiner {
     leverages_.resize(problem_.rays.size());
     parallel_for(run_, problem_.point_count(), [&](std::size_t p) {
       const std::vector<Eigen::Matrix2d> all = PointSystem(problem_, state_, p).leverages(inverse_);
-      for (std::size_t k = 0; k < all.size(); ++k) leverages_[problem_.point(p).first_ray + k] = all[k].diagonal();
+      for (std::size_t k = 0; k < all.size(); ++k) leverages_[problem_.point(p).first_ray + k] = all[k];
     });
+  }
+
+  [[nodiscard]] int rays_of(std::size_t point) const {
+    return static_cast<int>(problem_.end_ray(point) - problem_.point(point).first_ray);
+  }
+
+  // The distribution of w of tie points, over both coordinates. Those of a point with two rays say the same.
+  void fit_ties() {
+    std::vector<RayError> errors;
+    ImagePoint::for_each(problem_, [&](const ImagePoint::Item& item) {
+      const int rays = rays_of(item.point);
+      if (!ImagePoint::is_tie(problem_, item) || (rays == 2 && item.ray != problem_.point(item.point).first_ray)) return;
+      const auto px = ImagePoint::residual(problem_, state_, item);
+      if (!px) return;
+      const Eigen::Vector2d residual = *px * (problem_.rays[item.ray].inverse_sigma / sigma0_);
+      const double weight =
+          ImagePoint::loss(problem_, item).weight(ImagePoint::squared(problem_, item, *px));
+      errors.push_back({checked_error(residual, Eigen::Matrix2d::Identity() - leverages_[item.ray], weight), rays});
+    });
+    out_.tie_errors = fit_tie_errors(errors);
+    for (const TieErrors::Class& one : out_.tie_errors.classes) {
+      const ErrorDistribution& w = one.distribution;
+      const bool as_all = w.is_normal() && w.scale == 1;
+      out_.tie_limits.push_back(as_all ? out_.limit : w.limit(out_.false_alarm));
+      tie_shifts_.push_back(as_all || out_.power <= 0.5 ? 0 : w.limit(2 * (1 - out_.power)));
+    }
+  }
+
+  // The limit of w, and the shift of it that is found with the wanted power.
+  struct TestLimits {
+    double limit, delta0;
+  };
+  [[nodiscard]] TestLimits limits_of_ties(int rays) const {
+    const ErrorDistribution* of = out_.tie_errors.of(rays);
+    if (!of) return {out_.limit, out_.delta0};
+    std::size_t i = 0;
+    while (&out_.tie_errors.classes[i].distribution != of) ++i;
+    const bool as_all = of->is_normal() && of->scale == 1;
+    return {out_.tie_limits[i], as_all ? out_.delta0 : out_.tie_limits[i] + tie_shifts_[i]};
   }
 
   // `leverage` in units of the observation's weight, which is `weight` times 1 / sigma^2 (not 1 by a robust loss).
@@ -89,6 +131,10 @@ class Examiner {
   // sigma^2 (1 + h / (weight r)), which is sigma^2 / r without a loss. sigma0 multiplies what the others say, and the
   // sigmas of image points; those given in metres stay as given.
   void test(TestedObservation one, double leverage, double weight) {
+    test(std::move(one), leverage, weight, {out_.limit, out_.delta0});
+  }
+
+  void test(TestedObservation one, double leverage, double weight, const TestLimits& limits) {
     const double r = std::clamp(1 - leverage, 0.0, 1.0);
     GroupSums& group = sums(one.group);
     ++group.observations;
@@ -96,6 +142,7 @@ class Examiner {
     group.squared_redundancy += r * r;
     out_.redundancy_sum += 1 - leverage;
     one.redundancy = r;
+    one.limit = limits.limit;
     one.w = one.suspicion = 0;  // of the coordinate before
     one.minimal_detectable_bias = one.effect = one.effect_in_sigmas = kInfinity;
     if (r > kNoRedundancy) {
@@ -104,12 +151,12 @@ class Examiner {
       one.gross_error = one.residual / r;
       one.w = one.gross_error / spread;
       one.suspicion = one.gross_error / (sigma0_ * one.sigma * std::sqrt(1 + leverage / (weight * r)));
-      one.minimal_detectable_bias = out_.delta0 * spread;
+      one.minimal_detectable_bias = limits.delta0 * spread;
       one.effect = one.minimal_detectable_bias * leverage;
       one.effect_in_sigmas =
           one.minimal_detectable_bias / (sigma0_ * one.sigma) * std::sqrt(weight * std::max(leverage, 0.0));
       ++out_.tested;
-      if (std::abs(one.w) > out_.limit) {
+      if (std::abs(one.w) > limits.limit) {
         ++out_.rejected;
         out_.suspects.push_back(one);
       }
@@ -121,6 +168,7 @@ class Examiner {
   // Nothing predicts it, and nothing is as wrong.
   void suspect_unseen(TestedObservation one) {
     ++out_.unseen;
+    one.limit = out_.limit;
     one.residual = one.gross_error = one.redundancy = one.minimal_detectable_bias = one.effect = one.effect_in_sigmas =
         kNaN;
     one.w = one.suspicion = kInfinity;
@@ -146,14 +194,15 @@ class Examiner {
       return;
     }
     const double s = ImagePoint::squared(problem_, item, *px), weight = ImagePoint::loss(problem_, item).weight(s);
-    const Eigen::Vector2d& leverage = leverages_[item.ray];
+    const Eigen::Vector2d leverage = leverages_[item.ray].diagonal();
+    const TestLimits limits = tie ? limits_of_ties(rays_of(item.point)) : TestLimits{out_.limit, out_.delta0};
     if (tie) tie_.add(s, 2);
     if (tie) by_source_[one.source] = Eigen::Vector2d::Ones() - leverage;
     for (int axis = 0; axis < 2; ++axis) {
       one.axis = axis;
       one.residual = (*px)[axis];
       if (!tie) sums(one.group).squares += std::pow(one.residual / one.sigma, 2);
-      test(one, leverage[axis], weight);
+      test(one, leverage[axis], weight, limits);
     }
   }
 
@@ -253,7 +302,9 @@ class Examiner {
   const Adjusted& adjusted_;
   RobustSquares tie_;
   double sigma0_ = 1;
-  std::vector<Eigen::Vector2d> leverages_;  // of each ray
+  bool fits_ties_ = false;
+  std::vector<Eigen::Matrix2d> leverages_;  // of each ray
+  std::vector<double> tie_shifts_;  // for each class of errors, what |w| exceeds with the probability 2 (1 - power)
   std::vector<Eigen::Vector2d> by_source_;  // redundancy of each of Block::observations
   Reliability out_;
 };

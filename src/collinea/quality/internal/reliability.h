@@ -15,6 +15,7 @@
 #include "collinea/base/options.h"
 #include "collinea/base/run.h"
 #include "collinea/quality/internal/control_folds.h"
+#include "collinea/quality/tie_errors.h"
 
 namespace collinea {
 
@@ -23,6 +24,7 @@ struct TestOptions {
   double false_alarm = 0.001;
   double power = 0.8;
   bool sigma0_known = false;
+  bool normal_ties = false;
   int folds = 5;
 
   template <class Visit>
@@ -33,6 +35,9 @@ struct TestOptions {
     visit(Field{"power", &O::power, "1", "probability with which a minimal detectable bias is found", 0.5, 0.999});
     visit(Field{"sigma0_known", &O::sigma0_known, "",
                 "the given sigmas are true: test by Baarda's w; otherwise by Pope's tau"});
+    visit(Field{"normal_ties", &O::normal_ties, "",
+                "test tie points against the normal distribution, as all else; otherwise against the one that their own "
+                "errors show (and with sigma0 known always)"});
     visit(Field{"folds", &O::folds, "1",
                 "parts of the control, each left out together and predicted by the others; fewer where a part would "
                 "have one point",
@@ -52,6 +57,7 @@ struct TestedObservation {
   double redundancy = 0;     ///< r: the part of a blunder that its own residual shows, 0 to 1
   double w = 0;              ///< residual / its sigma: Baarda's w, or Pope's tau when sigma0 is estimated; infinite
                              ///< (and all but sigma NaN) when the image does not see the point
+  double limit = 0;          ///< beyond which |w| is suspect
   double suspicion = 0;      ///< w if sigma0 multiplied all sigmas alike: of all observations the largest is that of
                              ///< the wrong one, if there is but one, which w does not say of itself
   double gross_error = 0;    ///< the most probable one: residual / r
@@ -82,7 +88,9 @@ struct GroupSums {
 struct Reliability {
   double false_alarm = 0, power = 0;  ///< as asked for
   bool sigma0_known = false;          ///< tests by w with sigma0 = 1; otherwise by tau
-  double limit = 0;                   ///< of |w| or tau
+  double limit = 0;                   ///< of |w| or tau, of all but tie points
+  TieErrors tie_errors;  ///< what w of tie points is distributed like; empty: tested by the normal distribution
+  std::vector<double> tie_limits;  ///< of |w| of tie points, for each class of `tie_errors`
   double delta0 = 0;              ///< shift of w that is found with that power; of the normal distribution, for tau too
   long tested = 0, rejected = 0;  ///< coordinates; beyond the limit
   long unseen = 0;                ///< rays whose point its image does not see: not tested, all suspect
@@ -100,7 +108,10 @@ struct Reliability {
 /// Model: the residuals v = -R e follow the errors e by the redundancy matrix R = I - A (A'PA)^-1 A'P; its diagonal
 /// elements r, from 0 to 1, are the part of an error that its own residual shows, and their sum is the redundancy. The
 /// test of one observation is w = v / (sigma sqrt(r)) against its standard normal distribution (Baarda 1968), or,
-/// sigma0 being estimated too, against that of tau (Pope 1976). The minimal detectable bias is delta0 sigma / sqrt(r),
+/// sigma0 being estimated too, against that of tau (Pope 1976). Errors of automatic tie points have longer tails than
+/// normal ones: the distribution of their w is estimated from all of them by classes of rays a point (fit_tie_errors()),
+/// and w is tested against the limit that it exceeds with the given probability, gross errors apart; where it is
+/// normal, or less than 500 tell, that is the limit of all else. The minimal detectable bias is delta0 sigma / sqrt(r),
 /// the shift delta0 being that of w which is found with the wanted power.
 ///
 /// Rank and datum: r and w do not depend on the datum. Observations with r = 0 cannot be tested; they are counted, with

@@ -128,7 +128,7 @@ SuspectChoice choose_suspects(const Examined& adjusted, const Block& block, cons
       choice.kept.push_back({one, StayReason::kWorseOfItsPoint});
       continue;
     }
-    if (in_image ? image_point_waits(one, measurement, tests.limit, pass) : other_waits(measurement, block, pass))
+    if (in_image ? image_point_waits(one, measurement, one.limit, pass) : other_waits(measurement, block, pass))
       continue;
     choice.bound_is_reached = static_cast<int>(choice.suspects.size()) >= bounds.in_all;
     if (choice.bound_is_reached || choice.suspects.size() == bounds.of_round) break;

@@ -65,6 +65,10 @@ void add_cautions(const ReportInput& input, ReportSummary& s) {
   if (!s.not_oriented.empty())
     s.cautions.push_back(fmt::format("{} of {} images could not be oriented: see the list of images left out.",
                                      s.not_oriented.size(), input.block.images.size()));
+  for (const Finding& finding : input.findings)
+    if (finding.code == FindingCode::kGrossErrorRejected || finding.code == FindingCode::kSystematicTakenUp ||
+        (finding.code == FindingCode::kSystematic && finding.severity != Severity::kNote))
+      s.cautions.push_back(sentence_of(finding, input.block));
   int beyond = 0;
   for (const ControlDifference& control : input.control)
     for (int i = 0; i < 3 && !control.excluded; ++i)

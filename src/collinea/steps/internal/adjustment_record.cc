@@ -110,17 +110,17 @@ std::vector<HeightPrecision> height_precision_of(const Examined& adjusted) {
   return list;
 }
 
-CalibrationRecord calibration_of(const Adjustment& adjustment, const AdjustmentTask& task) {
+CalibrationRecord calibration_of(const Adjustment& adjustment, Calibration calibration) {
   CalibrationRecord record;
   for (const auto& [id, camera] : adjustment.adjusted.cameras) {
-    const auto own = task.scope.camera_sigmas.find(id);
-    const CameraSigmas sigmas = own != task.scope.camera_sigmas.end()
+    const auto own = adjustment.scope.camera_sigmas.find(id);
+    const CameraSigmas sigmas = own != adjustment.scope.camera_sigmas.end()
                                     ? own->second
-                                    : calibration_sigmas(task.options.adjust.calibration, camera);
+                                    : calibration_sigmas(calibration, camera);
     for (const int param : params_of(camera))
       if (sigmas[std::size_t(param)] > 0) record.free[id].push_back(static_cast<std::uint32_t>(param));
   }
-  if (!record.free.empty()) record.parameters = task.options.adjust.calibration;
+  if (!record.free.empty()) record.parameters = calibration;
   const double scale = sigma_scale(adjustment.adjusted);
   for (const auto& [camera, covariance] : adjustment.adjusted.camera_covariance) {
     std::vector<double>& sigma = record.sigma[camera];
@@ -141,18 +141,23 @@ std::vector<Finding> findings_of(const Adjustment& adjustment, const Orientation
                                  const Block& setup) {
   const std::set<std::size_t> excluded(orientation.excluded_geodetic.begin(), orientation.excluded_geodetic.end());
   std::vector<Finding> findings = adjusted_findings(adjustment.block, adjustment.adjusted, setup.cameras, excluded);
+  const auto add = [&](const std::vector<Finding>& more) { findings.insert(findings.end(), more.begin(), more.end()); };
+  add(taken_up_findings(adjustment.taken_up));
+  add(systematic_findings(adjustment.adjusted.systematics));
+  if (adjustment.snooped) add(rejected_findings(*adjustment.snooped));
   return findings;
 }
 
 }  // namespace
 
 AdjustmentRecord record_of(const Adjustment& adjustment, const OrientationRecord& orientation, const Block& setup,
-                           const AdjustmentTask& task, const InstrumentOptions& instruments) {
+                           Calibration calibration) {
   const Examined& adjusted = adjustment.adjusted;
   AdjustmentRecord record;
   record.images = count_oriented(adjustment.block);
   record.tie_points = adjustment.block.points.size();
   record.observations = adjustment.block.observations.size();
+  record.mismatches = adjustment.mismatches ? adjustment.mismatches->size() : 0;
   record.rejected = adjustment.snooped ? adjustment.snooped->rejected.size() : 0;
   record.mean_reprojection_px = mean_length_px(adjusted.residuals_px);
   record.sigma0 = adjusted.sigma0;
@@ -165,9 +170,9 @@ AdjustmentRecord record_of(const Adjustment& adjustment, const OrientationRecord
   record.positions = positions_of(adjustment);
   record.position_rms_m = position_rms(record.positions);
   record.sigma_factors = factors_by_word(sigma_factors_of(adjustment, orientation));
-  record.instruments = instruments;
+  record.instruments = adjustment.instruments;
   record.refraction = adjustment.refracted.has_value();
-  record.calibration = calibration_of(adjustment, task);
+  record.calibration = calibration_of(adjustment, calibration);
   record.geodetic = geodetic_of(adjustment, orientation);
   record.height_precision = height_precision_of(adjusted);
   for (const auto& [image, covariance] : adjusted.pose_covariance)
