@@ -13,6 +13,7 @@
 #include "collinea/io/adjustment_file.h"
 #include "collinea/orient/flight_strips.h"
 #include "collinea/quality/examine.h"
+#include "collinea/quality/systematic_findings.h"
 #include "collinea/report/finding_words.h"
 
 namespace collinea {
@@ -40,7 +41,7 @@ void print(const std::vector<SystematicTest>& tests, const Block& block) {
                test.determined ? "" : "(not determined)", test.largest_effect, test.effect_unit, test.ground_change_m,
                test.explained_by ? fmt::format("by {}", *test.explained_by) : "", test.unit, values);
   }
-  for (const Finding& finding : systematic_findings(tests)) fmt::print("{}\n", what_of(finding, block));
+  for (const Finding& finding : systematic_findings(tests, block)) fmt::print("{}\n", what_of(finding, block));
 }
 
 int look(const std::string& path, int threads) {

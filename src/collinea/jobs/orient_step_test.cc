@@ -214,6 +214,32 @@ TEST_F(InstrumentsTest, AreFoundByOrientAndTakenOverByAdjust) {
   EXPECT_FALSE(adjusted().contains("auxiliary_unknowns"));
 }
 
+// Nobody asked for it: the residuals turn with the direction of flight.
+TEST_F(InstrumentsTest, ATimeOffsetBeyondDoubtIsTakenUpAndOnlyNamedWhereThatIsWanted) {
+  const auto time_offset = [&] {
+    ASSERT_TRUE(adjusted().contains("auxiliary_unknowns"));
+    for (const auto& row : adjusted().at("auxiliary_unknowns")) {
+      if (!row.at("unknown").get<std::string>().starts_with("the time offset")) continue;
+      EXPECT_LT(std::abs(row.at("value").get<double>() - kOffset_s), 3 * row.at("sigma").get<double>());
+      return;
+    }
+    ADD_FAILURE() << "no time offset";
+  };
+  orient();
+  EXPECT_TRUE(finds("The residuals show a time offset of the positions of"));
+  EXPECT_TRUE(finds("It is estimated now."));
+  EXPECT_TRUE(adjustment().instruments.time_offset);
+  ASSERT_TRUE(try_adjustment(*project_, {}, folder_ / "trial"));
+  time_offset();
+  const double sigma0 = adjusted().at("sigma0").get<double>();
+  ASSERT_TRUE(try_adjustment(*project_, {.systematics = Systematics::kName}, folder_ / "trial"));
+  EXPECT_FALSE(adjusted().contains("auxiliary_unknowns"));
+  EXPECT_GT(adjusted().at("sigma0").get<double>(), sigma0);
+  project_->settings.adjust.systematics = Systematics::kNone;
+  ASSERT_TRUE(bring_up_to(*project_, Step::kAdjust));
+  EXPECT_FALSE(finds("The residuals show"));
+}
+
 TEST_F(InstrumentsTest, AShiftNeedsControl) {
   project_->settings.orient.instruments.position_shift = PositionShift::kStrips;
   project_->settings.orient.use_control = false;

@@ -8,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "collinea/base/finding.h"
 #include "collinea/base/id.h"
 #include "collinea/base/words.h"
 #include "collinea/block/block.h"
@@ -98,11 +97,7 @@ inline constexpr double kTakenUpBelow = 1e-6;
 /// next adjustment judges the others anew: call until nothing changes. `current` where there is none.
 [[nodiscard]] InstrumentOptions taken_up(const std::vector<SystematicTest>& tests, const InstrumentOptions& current);
 
-/// One finding for each significant test that no other explains, the strongest first, with those that cannot be told
-/// from it as further subjects. It is a note when it moves no point by more than its standard deviation.
-[[nodiscard]] std::vector<Finding> systematic_findings(const std::vector<SystematicTest>& tests);
-
-/// The same of tests for which the adjustment now has an unknown.
-[[nodiscard]] std::vector<Finding> taken_up_findings(const std::vector<SystematicTest>& tests);
+/// Whether a test is of a stronger error than another one: what stands for itself comes before what is explained.
+[[nodiscard]] bool is_stronger(const SystematicTest& a, const SystematicTest& b);
 
 }  // namespace collinea

@@ -40,6 +40,15 @@ const SystematicTest* of_kind(const std::vector<SystematicTest>& tests, Systemat
   return its == tests.end() ? nullptr : &*its;
 }
 
+// Kinds of the significant ones that stand for themselves, the strongest first.
+std::vector<SystematicKind> named_in(std::vector<SystematicTest> tests) {
+  std::erase_if(tests, [](const SystematicTest& test) { return !test.significant || test.explained_by; });
+  std::ranges::stable_sort(tests, is_stronger);
+  std::vector<SystematicKind> kinds;
+  for (const SystematicTest& test : tests) kinds.push_back(test.kind);
+  return kinds;
+}
+
 // The estimate of a small error without noise is the error: the derivatives are right.
 void expect_found(const Wrong& wrong, SystematicKind kind, const std::vector<double>& values, double relative,
                   int strip = -1, const FlightOptions& options = kExact) {
@@ -291,17 +300,24 @@ TEST(Systematics, TheTimeOffsetOfAFlightIsNamedAndTakenUp) {
   EXPECT_LT(offset.p_value, kTakenUpBelow);
   EXPECT_NEAR(offset.values[0], 0.037, 4 * offset.sigmas[0]);
   EXPECT_NEAR(offset.largest_effect, 0.037 * 8, 0.1);
-  const std::vector<Finding> findings = systematic_findings(tests);
-  ASSERT_EQ(findings.size(), 1u);
-  EXPECT_EQ(findings[0].code, FindingCode::kSystematic);
-  const auto& subjects = findings[0].subjects;
-  EXPECT_TRUE(std::ranges::any_of(subjects, [](const Subject& one) { return one.aspect == Aspect::kTimeOffset; }));
+  EXPECT_EQ(named_in(tests), std::vector{SystematicKind::kTimeOffset});
   const InstrumentOptions taken = taken_up(tests, {});
   EXPECT_TRUE(taken.time_offset);
   EXPECT_FALSE(taken.lever_arm);
   EXPECT_EQ(taken.position_shift, PositionShift::kNone);
-  EXPECT_TRUE(systematic_findings(tests_of(flown(8))).empty());
+  EXPECT_TRUE(named_in(tests_of(flown(8))).empty());
   EXPECT_FALSE(taken_up(tests_of(flown(8)), {}).time_offset);
+}
+
+// The shift of a strip is determined by the others, those of all are not.
+TEST(Systematics, ShiftsAreTakenUpWithControlAlone) {
+  const Wrong wrong{.shift_m = {0.2, 0, 0.2}, .strip = 1};
+  FlightOptions flight;
+  EXPECT_EQ(taken_up(tests_of(flown(14, wrong, flight)), {}).position_shift, PositionShift::kStrips);
+  flight.control = 0;
+  const std::vector<SystematicTest> tests = tests_of(flown(14, wrong, flight));
+  EXPECT_TRUE(of_kind(tests, SystematicKind::kShift, 1)->significant);
+  EXPECT_EQ(taken_up(tests, {}).position_shift, PositionShift::kNone);
 }
 
 // With one speed and the camera turned with the flight, an antenna ahead of the camera is a time offset.
@@ -316,9 +332,9 @@ TEST(Systematics, WhatCannotBeToldApartIsNamedTogether) {
 
 TEST(Systematics, AWrongAssignmentIsNoTimeOffset) {
   const std::vector<SystematicTest> tests = tests_of(flown(10, {.assignment = 1}));
-  const std::vector<Finding> findings = systematic_findings(tests);
-  ASSERT_FALSE(findings.empty());
-  EXPECT_EQ(findings[0].subjects[0].aspect, Aspect::kAssignment);
+  const std::vector<SystematicKind> named = named_in(tests);
+  ASSERT_FALSE(named.empty());
+  EXPECT_EQ(named[0], SystematicKind::kAssignment);
   EXPECT_FALSE(tests_of(flown(10, {.time_offset_s = 0.5})).empty());
   EXPECT_EQ(of_kind(tests_of(flown(10, {.time_offset_s = 0.5})), SystematicKind::kAssignment)->p_value, 1);
 }

@@ -8,6 +8,7 @@
 #include "collinea/epipolar/intersect.h"
 #include "collinea/orient/adjusted_findings.h"
 #include "collinea/quality/mark_check.h"
+#include "collinea/quality/systematic_findings.h"
 #include "collinea/report/statistics.h"
 
 namespace collinea {

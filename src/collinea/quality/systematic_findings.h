@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "collinea/base/finding.h"
+#include "collinea/block/block.h"
+#include "collinea/quality/systematics.h"
+
+namespace collinea {
+
+/// One finding for each significant test that no other explains, the strongest first, with those that cannot be told
+/// from it as further subjects. It is a note when it moves no point by more than its standard deviation.
+[[nodiscard]] std::vector<Finding> systematic_findings(const std::vector<SystematicTest>& tests, const Block& block);
+
+/// The same of tests for which the adjustment now has an unknown.
+[[nodiscard]] std::vector<Finding> taken_up_findings(const std::vector<SystematicTest>& tests);
+
+}  // namespace collinea
