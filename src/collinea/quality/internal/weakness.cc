@@ -379,32 +379,31 @@ double WeaknessFinder::reference_sigma(bool height) const {
   return control.empty() ? 0 : median(control);
 }
 
-// The motion of the whole, as that of its ground.
+// The motion of the whole, as that of its ground. Scale and turns each by themselves: where plan hangs on one spot,
+// scale and azimuth are equally weak, and no mixture of both is any better a name.
 void WeaknessFinder::look_at_motions(const TileCholesky& factor) {
   if (!problem_.moves_as_one) return;
   const std::optional<GroundMotion> ground = ground_motion(problem_, state_, factor);
   if (!ground) return;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(ground->covariance.bottomRightCorner<4, 4>());
-  for (int k = 3; k >= 0; --k)
-    name_weak_motion(eigen.eigenvectors().col(k),
-                     std::sqrt(std::max(eigen.eigenvalues()[k], 0.0)) * sigma_scale(adjusted_), ground->size);
+  name_weak_motion({}, ground->covariance(6, 6), ground->size);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> turns(ground->covariance.block<3, 3>(3, 3));
+  for (int k = 2; k >= 0; --k) name_weak_motion(turns.eigenvectors().col(k), turns.eigenvalues()[k], ground->size);
 }
 
-// `motion`: angles and log scale, of length 1, with this standard deviation.
-void WeaknessFinder::name_weak_motion(const Eigen::Vector4d& motion, double sigma, double size) {
-  const bool scales = std::abs(motion[3]) > 0.7;
-  const Eigen::Vector3d axis = motion.head<3>().normalized();
+// Of the turn about an axis, or (none) of the scale. `variance`: by the given sigmas.
+void WeaknessFinder::name_weak_motion(const std::optional<Eigen::Vector3d>& axis, double variance, double size) {
+  const double sigma = std::sqrt(std::max(variance, 0.0)) * sigma_scale(adjusted_);
   // A turn about a level axis shows in height, one about the plumb line in plan.
-  const double upright = scales ? 1 : std::abs(axis.z()), level = std::sqrt(std::max(0.0, 1 - upright * upright));
+  const double upright = axis ? std::abs(axis->z()) : 1, level = std::sqrt(std::max(0.0, 1 - upright * upright));
   const double reference = std::hypot(upright * reference_sigma(false), level * reference_sigma(true));
   if (!(reference > 0) || !(sigma * size > kWeakMotion * reference)) return;
+  Finding weak =
+      axis ? finding_of(FindingCode::kWeakRotation, {}, figures_of_axis(*axis),
+                        {upright > 0.9 ? RemedyCode::kWidenControlInPlan : RemedyCode::kAddCrossStrip})
+           : finding_of(FindingCode::kWeakScale, {}, {{FigureName::kSigmaScale, sigma}}, {RemedyCode::kWidenControl});
+  if (axis) weak.figures.push_back({FigureName::kSigmaAngle, sigma * kDegrees});
   const std::array known = {Figure{FigureName::kExtent, size}, Figure{FigureName::kMotion, sigma * size},
                             Figure{FigureName::kReference, reference}};
-  Finding weak =
-      scales ? finding_of(FindingCode::kWeakScale, {}, {{FigureName::kSigmaScale, sigma}}, {RemedyCode::kWidenControl})
-             : finding_of(FindingCode::kWeakRotation, {}, figures_of_axis(axis),
-                          {std::abs(axis.z()) > 0.9 ? RemedyCode::kWidenControlInPlan : RemedyCode::kAddCrossStrip});
-  if (!scales) weak.figures.push_back({FigureName::kSigmaAngle, sigma * kDegrees});
   weak.figures.insert(weak.figures.end(), known.begin(), known.end());
   add(std::move(weak));
 }

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <initializer_list>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -53,7 +54,7 @@ class WeaknessFinder {
   void name_unseen(const std::vector<const DatumConstraint*>& unseen, bool whole);
   void name_articulation_images();
   void look_at_motions(const TileCholesky& factor);
-  void name_weak_motion(const Eigen::Vector4d& motion, double sigma, double size);
+  void name_weak_motion(const std::optional<Eigen::Vector3d>& axis, double variance, double size);
   /// A camera with its free parameters: their index among the reduced unknowns, and their cofactors.
   struct FreeCamera {
     const ProblemCamera& camera;
