@@ -117,12 +117,12 @@ std::vector<Finding> systematic_findings(const std::vector<SystematicTest>& test
   return findings;
 }
 
-std::vector<Finding> taken_up_findings(const std::vector<SystematicTest>& tests) {
+std::vector<Finding> taken_up_findings(const std::vector<SystematicTest>& tests, const Block& block) {
   std::vector<Finding> findings;
   for (const SystematicTest& test : tests) {
     SystematicTest alone = test;
     alone.indistinguishable.clear();  // they count in the list of tests that it was in
-    Finding& finding = findings.emplace_back(finding_of_test({}, alone));
+    Finding& finding = findings.emplace_back(finding_of_test({}, alone, block));
     finding.code = FindingCode::kSystematicTakenUp;
     finding.severity = Severity::kNote;
     finding.remedies.clear();

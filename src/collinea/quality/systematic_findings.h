@@ -14,6 +14,6 @@ namespace collinea {
 [[nodiscard]] std::vector<Finding> systematic_findings(const std::vector<SystematicTest>& tests, const Block& block);
 
 /// The same of tests for which the adjustment now has an unknown.
-[[nodiscard]] std::vector<Finding> taken_up_findings(const std::vector<SystematicTest>& tests);
+[[nodiscard]] std::vector<Finding> taken_up_findings(const std::vector<SystematicTest>& tests, const Block& block);
 
 }  // namespace collinea
