@@ -11,7 +11,7 @@
 namespace collinea {
 namespace {
 
-constexpr double kBent = 100, kBentInImage = 1000;  // standard deviations
+constexpr double kBent = 20, kBentInImage = 1000;  // standard deviations
 
 }  // namespace
 

@@ -20,7 +20,7 @@ struct GrossErrors {
 
 /// True when the tests of an adjustment cannot be believed, because a gross error may have bent it beyond what linear
 /// equations describe: it has failed, has not converged, leaves something undetermined or points where their images do
-/// not see them, or an observation on the ground misses it by a hundred of its
+/// not see them, or an observation on the ground misses it by twenty of its
 /// standard deviations, in an image by a thousand.
 [[nodiscard]] bool is_bent(const Result<Examined>& adjusted, const TestOptions& options);
 

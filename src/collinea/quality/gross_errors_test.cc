@@ -9,6 +9,7 @@
 #include <string>
 
 #include "collinea/epipolar/intersect.h"
+#include "collinea/quality/divergence.h"
 #include "collinea/quality/internal/measurement.h"
 #include "collinea/quality/internal/test_examine.h"
 #include "collinea/quality/snooping.h"
@@ -216,6 +217,44 @@ TEST(GrossErrors, FindsWhatBendsAnAdjustmentByName) {
   EXPECT_EQ(found.measurements[0].control, ControlId{3});
   EXPECT_EQ(found.measurements[0].axis, 1);
   EXPECT_NEAR(found.measurements[0].gross_error.y(), 1000, 0.5);
+}
+
+// Before, it ended with what it had come to: sigma0 0, redundancy -160, and no error.
+TEST(GrossErrors, WhatHasDivergedIsRefusedByName) {
+  for (const double size : {100.0, 1000.0, 1e6}) {
+    SCOPED_TRACE(size);
+    Block block = strip(5, 6);
+    block.control.at({3}).position_in_world.y() += size;
+    const auto adjusted = examine_strictly(block, {}, testing::tested(), kRun);
+    if (adjusted) {  // bent, but an adjustment
+      EXPECT_TRUE(adjusted->converged && adjusted->reliability && adjusted->reliability->unseen == 0);
+      EXPECT_GT(adjusted->sigma0, 20);
+      continue;
+    }
+    EXPECT_TRUE(adjusted.error().code == Errc::kNotConverged || adjusted.error().code == Errc::kIllPosed);
+    EXPECT_NE(adjusted.error().message.find("misfits: gcp3 (control_plan +" + std::to_string(int(size) / 10)),
+              std::string::npos)
+        << adjusted.error().message;
+  }
+  const auto good = examine_strictly(strip(5, 6), {}, testing::tested(), kRun);
+  EXPECT_TRUE(good);
+}
+
+// A fixed point has no observation that could be tested; its marks would all be suspect.
+TEST(GrossErrors, AFixedCoordinateGoes) {
+  for (const double size : {10.0, 1000.0}) {
+    SCOPED_TRACE(size);
+    Block block = strip(5, 6);
+    for (auto& [id, point] : block.control) point.sigma_m.setZero();
+    block.control.at({3}).position_in_world.x() += size;
+    const auto snooped = snoop(block, {}, plain(), kMost, kRun);
+    ASSERT_TRUE(snooped) << snooped.error().message;
+    ASSERT_FALSE(snooped->rejected.empty());
+    EXPECT_EQ(snooped->rejected[0].group, ObservationGroup::kControlPlan);
+    EXPECT_EQ(snooped->rejected[0].control, ControlId{3});
+    EXPECT_NEAR(snooped->rejected[0].gross_error.x(), size, 0.2);
+    EXPECT_LT(snooped->adjusted.sigma0, 1.5);
+  }
 }
 
 TEST(GrossErrors, AGoodBlockIsNotBentAndHasNone) {

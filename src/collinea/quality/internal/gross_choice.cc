@@ -127,7 +127,7 @@ class Chooser {
     if (!with || !with->reliability) return false;
     for (std::size_t i = 0; i < on_ground_.size(); ++i) {
       const Misfit& one = on_ground_[i];
-      if (i < kMostOnGround && is_told(one, healed, *with)) {
+      if (i < kMostOnGround && is_certain(one, healed, *with)) {
         reject(one);
         test(*with, out_.remaining.rejections.back());
       } else {
@@ -159,7 +159,7 @@ class Chooser {
   }
 
   // Nothing else may be wrong in its place.
-  bool is_told(const Misfit& one, const Measurements& healed, const Examined& with) {
+  bool is_certain(const Misfit& one, const Measurements& healed, const Examined& with) {
     const Reliability& tests = *with.reliability;
     const TestedObservation* const worst = test_of(one, tests);
     if (!worst || !std::isfinite(worst->minimal_detectable_bias)) {
@@ -176,7 +176,7 @@ class Chooser {
     const double w = std::abs(one.off[worst->axis]) / spread_of(*worst, tests);
     std::map<std::pair<Measurement, int>, double> before;
     for (const TestedObservation& other : tests.others) before[{named(other, healed), other.axis}] = other.redundancy;
-    bool told = true;
+    bool certain = true;
     for (const TestedObservation& other : adjusted->reliability->others) {
       if (is_image_point(other.group) || named(other, healed) == one.measurement) continue;
       const double redundancy = before[{named(other, healed), other.axis}];
@@ -185,11 +185,11 @@ class Chooser {
       const bool is_poor =
           worst->redundancy < kPoorRedundancy && w * (1 - rho) < tests.limit * std::sqrt(2 * (1 - rho));
       if (!(is_poor || rho > kSame) || !fits_instead(other, one, *adjusted)) continue;
-      if (told) keep(with_misfit(*worst, one.off[worst->axis], w), StayReason::kSameDegree);
+      if (certain) keep(with_misfit(*worst, one.off[worst->axis], w), StayReason::kSameDegree);
       keep(other, StayReason::kSameDegree);
-      told = false;
+      certain = false;
     }
-    return told;
+    return certain;
   }
 
   [[nodiscard]] static Measurement named(const TestedObservation& one, const Measurements& all) {

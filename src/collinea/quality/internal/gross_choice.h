@@ -26,9 +26,8 @@ struct GrossChoice {
 /// misfit over that standard deviation. The rho are those of Rivals: without it the redundancy number of another is r
 /// (1 - rho^2). It goes unless another measurement on the ground may be wrong in its place:
 ///
-///  - rho > 0.99, and an adjustment without the other in its place fits as well (a large error is told where a small
-///  one
-///    is not, since heights of four points that are tilted by it shorten their distances in plan);
+///  - rho > 0.99, and an adjustment without the other in its place fits as well (so a large error shows where a small
+///    one does not: heights of four points that are tilted by it shorten their distances in plan);
 ///  - r < 0.1, and w (1 - rho) < limit sqrt(2 (1 - rho)), by which the difference of two tests is significant.
 ///
 /// Image points need no such doubt: those of a tie point with two rays go both. Fixed coordinates and image points that

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "collinea/epipolar/intersect.h"
 
@@ -20,22 +21,33 @@ std::vector<SightLine> lines_of(const Rejected& rejected, const Block& block) {
   return lines;
 }
 
-// Variance of a coordinate of the image of a point where its other rays meet, all images being exact [px^2].
-double variance_by_rays(const Rejected& rejected, const Block& block) {
-  const auto met = intersect(lines_of(rejected, block));
-  const Rigid3& pose = pose_of(block, rejected.image);
-  Matrix23 by_cam;
-  if (!met || !project(block.camera_of(rejected.image), pose * met->point_in_world, &by_cam, nullptr))
-    return std::numeric_limits<double>::quiet_NaN();
-  const Eigen::RowVector3d by_world = by_cam.row(rejected.axis) * pose.rotation.toRotationMatrix();
-  return by_world * met->covariance * by_world.transpose();
+// Where a point is, as far as it is known without a rejected ray: where its other rays meet or, with fewer, as control
+// is adjusted.
+std::optional<std::pair<Eigen::Vector3d, Eigen::Matrix3d>> known_without(const Rejected& rejected, const Block& block,
+                                                                         const Adjusted& adjusted) {
+  if (const auto met = intersect(lines_of(rejected, block))) return std::pair(met->point_in_world, met->covariance);
+  for (const ControlDifference& now : adjusted.control)
+    if (rejected.control.valid() && now.point == rejected.control && now.position_in_world && now.covariance_m2)
+      return std::pair(*now.position_in_world, *now.covariance_m2);
+  return std::nullopt;
 }
 
-void test_gross_ray(Rejection& one, const Block& block) {
+// Variance of a coordinate of the image of that point, all images being exact [px^2].
+double variance_by_rays(const Rejected& rejected, const Block& block, const Adjusted& adjusted) {
+  const auto known = known_without(rejected, block, adjusted);
+  const Rigid3& pose = pose_of(block, rejected.image);
+  Matrix23 by_cam;
+  if (!known || !project(block.camera_of(rejected.image), pose * known->first, &by_cam, nullptr))
+    return std::numeric_limits<double>::quiet_NaN();
+  const Eigen::RowVector3d by_world = by_cam.row(rejected.axis) * pose.rotation.toRotationMatrix();
+  return by_world * known->second * by_world.transpose();
+}
+
+void test_gross_ray(Rejection& one, const Block& block, const Adjusted& adjusted) {
   Rejected& rejected = one.rejected;
   const double size = rejected.gross_error.head<2>().norm();
   rejected.axis = std::abs(rejected.gross_error.y()) > std::abs(rejected.gross_error.x()) ? 1 : 0;
-  one.cofactor = variance_by_rays(rejected, block) / (one.sigma * one.sigma);
+  one.cofactor = variance_by_rays(rejected, block, adjusted) / (one.sigma * one.sigma);
   if (std::isfinite(size)) rejected.w = size / one.sigma;
 }
 
@@ -66,7 +78,7 @@ std::vector<Rejection> with_gross_errors(std::vector<Rejection> rejections, cons
       test_fixed_coordinate(rejected, adjusted, sigma0);
       continue;
     }
-    if (rejected.round == 0 && is_image_point(rejected.group)) test_gross_ray(one, left.block);
+    if (rejected.round == 0 && is_image_point(rejected.group)) test_gross_ray(one, left.block, adjusted);
     const double own = is_image_point(rejected.group) ? sigma0 : 1;
     rejected.sigma = one.sigma * std::sqrt(own * own + sigma0 * sigma0 * one.cofactor);
     if (const auto sigma = sigma_of_correlated(rejected, one.given, rejected.axis, sigma0, left, adjusted))

@@ -188,22 +188,23 @@ class Reweighting {
     return fit_.measurements.block.control.at(id).role == ControlRole::kControl;
   }
 
-  // Where its rays meet or where it was surveyed: where the sum of the roots of all differences is least, in pixels. Of
-  // a point with two marks one of which is wrong the survey says which.
+  // Where its rays meet or where it was surveyed: where the sum of the roots of all differences is least, in pixels and
+  // each up to a hundred. Of a point with two marks one of which is wrong the survey says which.
   [[nodiscard]] static std::optional<Eigen::Vector3d> start_of(const ControlPoint& control,
                                                                const std::vector<SightLine>& lines,
                                                                const std::optional<Eigen::Vector3d>& marked) {
     if (!control.sigma_m.allFinite() || !control.position_in_world.allFinite()) return marked;
-    double at_survey = 0, at_marks = 0;
+    if (!marked) return control.position_in_world;
+    const auto root = [](double px) { return std::sqrt(std::min(100.0, px)); };
+    double at_survey = 0, at_marks = 0, finest = 0;
     for (const SightLine& line : lines) {
-      at_survey += std::sqrt(miss_px(line, control.position_in_world));
-      if (!marked) continue;
-      const double px_per_m = line.camera->focal_px() / (line.cam_from_world * *marked).norm();
-      const Eigen::Vector3d off = px_per_m * (control.position_in_world - *marked);
-      at_marks += std::sqrt(miss_px(line, *marked));
-      at_marks += (std::sqrt(off.head<2>().norm()) + std::sqrt(std::abs(off.z()))) / double(lines.size());
+      at_survey += root(miss_px(line, control.position_in_world));
+      at_marks += root(miss_px(line, *marked));
+      finest = std::max(finest, line.camera->focal_px() / (line.cam_from_world * *marked).norm());
     }
-    return marked && at_marks <= at_survey ? *marked : control.position_in_world;
+    const Eigen::Vector3d off = finest * (control.position_in_world - *marked);
+    at_marks += root(off.head<2>().norm()) + root(std::abs(off.z()));
+    return at_marks <= at_survey ? *marked : control.position_in_world;
   }
 
   // Fixed coordinates get the size of a pixel on the ground.
