@@ -20,7 +20,7 @@ struct AdjustmentReport {
   std::optional<VarianceComponents> components;  ///< when they were estimated and applied
   std::vector<AdditionalTest> additional;        ///< of cameras with additional parameters
   double additional_level = 0;                   ///< of their tests
-  std::optional<Mismatches> mismatches;  ///< of tie points, when they were rejected
+  std::optional<Mismatches> mismatches;          ///< of tie points, when they were rejected
   std::optional<Snooped> snooped;  ///< when gross errors were rejected; its `adjusted` may have been moved
 };
 

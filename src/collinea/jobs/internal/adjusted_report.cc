@@ -32,8 +32,8 @@ Result<AdjustmentReport> adjusted_report(Block block, const AdjustScope& scope, 
   AdjustmentReport report;
   report.block = std::move(block);
   if (asked.reject_mismatches.value_or(false)) {
-    COLLINEA_TRY(WithoutMismatches clean, reject_mismatches(std::move(report.block), scope, options.adjust,
-                                                            options.test.false_alarm, run));
+    COLLINEA_TRY(WithoutMismatches clean,
+                 reject_mismatches(std::move(report.block), scope, options.adjust, options.test.false_alarm, run));
     report.block = std::move(clean.block);
     report.mismatches = std::move(clean.found);
     report_mismatches(*report.mismatches, run);
