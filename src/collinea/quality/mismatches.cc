@@ -13,7 +13,8 @@
 namespace collinea {
 namespace {
 
-constexpr int kPasses = 4;  // fits of the distribution, from the second on without the influence of mismatches on others
+constexpr int kPasses =
+    4;  // fits of the distribution, from the second on without the influence of mismatches on others
 constexpr double kNoBound = std::numeric_limits<double>::infinity();
 constexpr double kMoreProbableThanNot = 0.5;
 constexpr double kThreeSigmas2 = 2 * 9;   // of the difference of two tests: its variance is 2 (1 - rho)

@@ -23,11 +23,10 @@ struct Spoilt {
   std::set<std::uint32_t> wrong;  // indices of observations
 };
 
-// `rays`: most a point has, two of a third of them. Errors normal (nu = 0) or Student's; the share `wrong` of the rays is
-// up to 20 px off.
+// `rays`: most a point has, two of a third of them. Errors normal (nu = 0) or Student's; the share `wrong` of the rays
+// is up to 20 px off.
 Spoilt spoilt_block(int nu, double wrong, std::uint64_t seed, int rays = 6, int points = 2500) {
-  Spoilt made{.truth = test_block(
-                  {.rows = 4, .columns = 5, .points = points, .position_sigma_m = 0.02, .seed = seed})};
+  Spoilt made{.truth = test_block({.rows = 4, .columns = 5, .points = points, .position_sigma_m = 0.02, .seed = seed})};
   Random random(seed, 3);
   std::vector<Observation> chosen;
   for (auto ray = made.truth.observations.begin(); ray != made.truth.observations.end();) {
@@ -93,16 +92,16 @@ TEST(Mismatches, GoodRaysStay) {
   }
 }
 
-// Mismatches of 8 sigmas and more that the other rays check are found, good rays go only with wrong ones of their point,
-// and the poses are as good as those of the same measurements without mismatches.
+// Mismatches of 8 sigmas and more that the other rays check are found, good rays go only with wrong ones of their
+// point, and the poses are as good as those of the same measurements without mismatches.
 TEST(Mismatches, AreFoundAndNothingElseGoes) {
   for (const double share : {0.01, 0.05}) {
     double square = 0, square_without = 0;
     for (std::uint64_t seed = 1; seed < 4; ++seed) {
       const Spoilt made = spoilt_block(0, share, seed);
       const WithoutMismatches clean = cleaned(made.block);
-      std::set<std::uint32_t> gone(clean.found.wrong.begin(), clean.found.wrong.end());
-      gone.insert(clean.found.with_them.begin(), clean.found.with_them.end());
+      std::set<std::uint32_t> rejected(clean.found.wrong.begin(), clean.found.wrong.end());
+      rejected.insert(clean.found.with_them.begin(), clean.found.with_them.end());
       std::set<PointId> spoilt;
       std::map<PointId, int> rays;
       for (const std::uint32_t i : made.wrong) spoilt.insert(made.block.observations[i].point);
@@ -112,9 +111,9 @@ TEST(Mismatches, AreFoundAndNothingElseGoes) {
         const double error_px = (made.block.observations[i].pixel - made.truth.observations[i].pixel).norm();
         if (rays[made.block.observations[i].point] < 4 || error_px < 8 * kSigma_px) continue;
         large += 1;
-        found += gone.contains(i) || !clean.block.points.contains(made.block.observations[i].point);
+        found += rejected.contains(i) || !clean.block.points.contains(made.block.observations[i].point);
       }
-      for (const std::uint32_t i : gone) lost += !spoilt.contains(made.block.observations[i].point);
+      for (const std::uint32_t i : rejected) lost += !spoilt.contains(made.block.observations[i].point);
       EXPECT_GT(found / large, 0.97) << share << " " << large;
       EXPECT_LE(lost, kLevel * double(clean.found.tested)) << share;
       EXPECT_NEAR(clean.found.expected_good, lost, 10);
@@ -131,7 +130,8 @@ TEST(Mismatches, AreFoundAndNothingElseGoes) {
   }
 }
 
-// The tests of tie points keep their level whatever the errors are distributed like, also when mismatches were rejected.
+// The tests of tie points keep their level whatever the errors are distributed like, also when mismatches were
+// rejected.
 TEST(Mismatches, SuspectsAgreeWithTheLevel) {
   struct Case {
     int nu;

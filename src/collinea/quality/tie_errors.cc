@@ -46,11 +46,16 @@ std::vector<Pool> pools_of(const std::vector<RayError>& errors) {
 
 }  // namespace
 
+std::optional<std::size_t> TieErrors::class_of(int rays) const {
+  if (classes.empty()) return std::nullopt;
+  const auto above = std::upper_bound(classes.begin(), classes.end(), rays,
+                                      [](int count, const Class& one) { return count < one.least_rays; });
+  return above == classes.begin() ? 0 : static_cast<std::size_t>(above - classes.begin() - 1);
+}
+
 const ErrorDistribution* TieErrors::of(int rays) const {
-  if (classes.empty()) return nullptr;
-  auto above = std::upper_bound(classes.begin(), classes.end(), rays,
-                                [](int count, const Class& one) { return count < one.least_rays; });
-  return above == classes.begin() ? &above->distribution : &std::prev(above)->distribution;
+  const auto index = class_of(rays);
+  return index ? &classes[*index].distribution : nullptr;
 }
 
 std::optional<TieLoss> loss_of(const TieErrors& errors) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -27,7 +28,9 @@ struct TieErrors {
   };
   std::vector<Class> classes;  ///< ascending; empty when there are too few errors
 
-  /// That of a point with so many rays; nothing when `classes` is empty.
+  /// That of a point with so many rays, as an index in `classes`; nothing when there are none.
+  [[nodiscard]] std::optional<std::size_t> class_of(int rays) const;
+  /// The same.
   [[nodiscard]] const ErrorDistribution* of(int rays) const;
 };
 
@@ -43,9 +46,9 @@ struct TieLoss {
 };
 
 /// The loss by which the adjusted values are those of greatest likelihood: none for normal errors; of Student's with nu
-/// degrees of freedom Cauchy's with k^2 = nu + 2, for sigmas that are nu / (nu + 2) of the squared scale (Lange, Little,
-/// Taylor 1989). Scale and 1 / nu are means over the classes of three rays and more, in proportion of their errors;
-/// those of two rays show the sum of two errors. Nothing when there are no classes.
+/// degrees of freedom Cauchy's with k^2 = nu + 2, for sigmas that are nu / (nu + 2) of the squared scale (Lange,
+/// Little, Taylor 1989). Scale and 1 / nu are means over the classes of three rays and more, in proportion of their
+/// errors; those of two rays show the sum of two errors. Nothing when there are no classes.
 ///
 ///     const auto shown = loss_of(clean.found.errors);
 ///     SigmaFactors factors = as_given();

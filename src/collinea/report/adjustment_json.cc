@@ -260,6 +260,11 @@ std::string adjustment_json(const AdjustmentReport& report) {
   j["network"] = network_json(report);
   j["residuals"] = residual_json(report);
   j["weaknesses"] = findings_json(adjusted.weaknesses, report.block);
+  if (report.mismatches)
+    j["mismatches"] = {{"tested", report.mismatches->tested},
+                       {"wrong", report.mismatches->wrong.size()},
+                       {"with_them", report.mismatches->with_them.size()},
+                       {"expected_good", number(report.mismatches->expected_good)}};
   if (report.snooped) j["snooping"] = snooping_json(report);
   return j.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
 }

@@ -219,18 +219,26 @@ std::string words_of_tie_limits(const Reliability& tests) {
   if (tests.tie_limits.empty()) return "";
   const auto [least, most] = std::minmax_element(tests.tie_limits.begin(), tests.tie_limits.end());
   if (*least == tests.limit && *most == tests.limit) return "";
-  return *most - *least < 0.005 ? fmt::format(", tie points {:.2f} by the distribution of their errors", *most)
-                                : fmt::format(", tie points {:.2f} to {:.2f} by the distribution of their errors",
-                                              *least, *most);
+  return *most - *least < 0.005
+             ? fmt::format(", tie points {:.2f} by the distribution of their errors", *most)
+             : fmt::format(", tie points {:.2f} to {:.2f} by the distribution of their errors", *least, *most);
+}
+
+std::string words_of_mismatches(const AdjustmentReport& report) {
+  if (!report.mismatches || report.mismatches->size() == 0) return "";
+  return fmt::format(
+      " Before, {} measurements of tie points were rejected as mismatches, and {} that might be wrong in their place.",
+      report.mismatches->wrong.size(), report.mismatches->with_them.size());
 }
 
 std::string tests_section(const AdjustmentReport& report, const Reliability& tests) {
   std::string html = fmt::format(
       "<section><h2>Suspected gross errors</h2>\n<p>Of {} {} {} the limit {:.2f} of {}{}; about {:.0f} would do so by "
       "chance (level {:g}). Test again after rejecting the worst, which comes first: one gross error spoils its "
-      "neighbours, and some of them may have a larger w.{}{}</p>\n",
+      "neighbours, and some of them may have a larger w.{}{}{}</p>\n",
       counted(tests.tested, "observation"), tests.rejected, tests.rejected == 1 ? "exceeds" : "exceed", tests.limit,
-      tests.sigma0_known ? "Baarda's w" : "Pope's tau", words_of_tie_limits(tests), tests.false_alarm * double(tests.tested), tests.false_alarm,
+      tests.sigma0_known ? "Baarda's w" : "Pope's tau", words_of_tie_limits(tests),
+      tests.false_alarm * double(tests.tested), tests.false_alarm, words_of_mismatches(report),
       words_of_unseen(tests.unseen),
       tests.suspects.size() > kMostRows ? " The worst are shown; suspects.csv has more." : "");
   if (!tests.suspects.empty()) html += test_rows(tests.suspects, report.block);

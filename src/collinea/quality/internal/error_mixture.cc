@@ -21,10 +21,9 @@ constexpr double kFarthest = 300;        // core scales: errors beyond are gross
 constexpr double kBinsPerFactorE = 12;   // of squared length: a bin is represented by its mean
 constexpr double kBeyondChance = 10.83;  // chi-squared with one degree of freedom, 0.1 %
 constexpr int kMostFitRounds = 300;
-constexpr double kFirstShare = 0.01;     // of gross errors, where their fit begins
+constexpr double kFirstShare = 0.01;  // of gross errors, where their fit begins
 // Tried values of 1 / nu. Between them the likelihood is taken for a parabola.
-constexpr std::array<double, 14> kInverse = {0,    0.02, 0.05, 0.08, 0.12, 0.16, 0.2,
-                                             0.25, 0.3,  0.36, 0.43, 0.5,  0.7,  1};
+constexpr std::array<double, 14> kInverse = {0, 0.02, 0.05, 0.08, 0.12, 0.16, 0.2, 0.25, 0.3, 0.36, 0.43, 0.5, 0.7, 1};
 
 // Errors of nearly the same length, and of the same number of directions.
 struct Bin {
@@ -35,8 +34,9 @@ struct Bin {
 double log_density(double squared, int d, double scale2, double nu) {
   const double n = d;
   if (nu == kInfinite) return -0.5 * (squared / scale2 + n * std::log(2 * std::numbers::pi * scale2));
-  const double constant = d == 2 ? -std::log(2 * std::numbers::pi)
-                                 : std::lgamma((nu + 1) / 2) - std::lgamma(nu / 2) - 0.5 * std::log(nu * std::numbers::pi);
+  const double constant = d == 2
+                              ? -std::log(2 * std::numbers::pi)
+                              : std::lgamma((nu + 1) / 2) - std::lgamma(nu / 2) - 0.5 * std::log(nu * std::numbers::pi);
   return constant - 0.5 * n * std::log(scale2) - (nu + n) / 2 * std::log1p(squared / (nu * scale2));
 }
 
@@ -50,8 +50,8 @@ double uniform_density(int d, double radius) {
   return radius <= 0 ? 0 : d == 2 ? 1 / (std::numbers::pi * radius * radius) : 1 / (2 * radius);
 }
 
-// What of Student's distribution lies beyond a radius: with x = nu / (nu + q / scale^2), which has the beta distribution
-// of nu / 2 and d / 2. Normal errors have no tail worth counting.
+// What of Student's distribution lies beyond a radius: with x = nu / (nu + q / scale^2), which has the beta
+// distribution of nu / 2 and d / 2. Normal errors have no tail worth counting.
 struct Tail {
   double probability = 0;
   double mean_weighted = 0;  // of (nu + d) q / (nu + q / scale^2), over scale^2
@@ -96,8 +96,8 @@ Fit next_fit(const std::vector<Bin>& bins, double nu, const Radii& radii, const 
   for (const Bin& bin : bins) {
     const int d = bin.directions;
     const Tail& tail = tails[static_cast<std::size_t>(d - 1)];
-    const double student = (1 - fit.share) * std::exp(log_density(bin.squared, d, fit.scale2, nu)) /
-                           (1 - tail.probability),
+    const double student =
+                     (1 - fit.share) * std::exp(log_density(bin.squared, d, fit.scale2, nu)) / (1 - tail.probability),
                  gross = bin.squared > radii.gross * radii.gross ? 0 : fit.share * uniform_density(d, radii.gross),
                  both = student + gross;
     const double z = bin.count * (both > 0 ? student / both : 0);
@@ -131,8 +131,8 @@ constexpr double kCoarse = 3e-4, kFine = 1e-6;
 // tails of what is not gross may reach farther.
 double gross_radius_of(const std::vector<Bin>& bins, double largest, double start2) {
   constexpr int kCandidates = 6;
-  constexpr double kUsual = 4;                         // degrees of freedom
-  const double least = 6 * std::sqrt(start2);          // gross ones within would not be told from others
+  constexpr double kUsual = 4;                 // degrees of freedom
+  const double least = 6 * std::sqrt(start2);  // gross ones within would not be told from others
   double best = largest, best_likelihood = -kInfinite, radius = largest;
   for (int i = 0; i < kCandidates && radius > least; ++i, radius /= 1.6) {
     const Fit fit = fit_for(bins, kUsual, {largest, radius}, {start2, kFirstShare}, kCoarse);
@@ -170,9 +170,9 @@ Best best_of(const std::vector<Bin>& bins, const Radii& radii, double start2, do
 
 bool is_better(double log_likelihood, double than) { return 2 * (log_likelihood - than) > kBeyondChance; }
 
-// Probability that a coordinate in [-radius, radius] exceeds `limit`, of a Student distribution in two dimensions of the
-// scale 1 that is cut off at the radius: the integral over the length l of 2 / pi acos(limit / l), by the trapezoidal
-// rule in (1 + l^2 / nu)^(-nu / 2), the probability of longer ones.
+// Probability that a coordinate in [-radius, radius] exceeds `limit`, of a Student distribution in two dimensions of
+// the scale 1 that is cut off at the radius: the integral over the length l of 2 / pi acos(limit / l), by the
+// trapezoidal rule in (1 + l^2 / nu)^(-nu / 2), the probability of longer ones.
 double cut_tail_of_coordinate(double limit, double radius, double nu) {
   constexpr int kSteps = 200;
   const auto beyond = [&](double length) { return std::pow(1 + length * length / nu, -nu / 2); };

@@ -16,8 +16,8 @@ struct CheckedError {
 };
 
 /// What errors are distributed like: a part `gross_share` is gross, alike anywhere up to `gross_radius`; the others
-/// have Student's distribution in one or two dimensions, cut off at `largest`. Longer errors are rejected before an adjustment, as
-/// by orientation, which makes tails shorter than those of the distribution that shows in all the rest.
+/// have Student's distribution in one or two dimensions, cut off at `largest`. Longer errors are rejected before an
+/// adjustment, as by orientation, which makes tails shorter than those of the distribution that shows in all the rest.
 struct ErrorDistribution {
   double scale = 1;  ///< of Student's distribution, in standard deviations as given: that of its core
   double degrees_of_freedom = std::numeric_limits<double>::infinity();  ///< infinite: the errors are normal
@@ -32,11 +32,11 @@ struct ErrorDistribution {
   [[nodiscard]] double limit(double alpha) const;
 };
 
-/// The distribution of given errors by maximum likelihood: expectation and maximisation (Dempster, Laird, Rubin 1977) of
-/// scale and gross share for each of some degrees of freedom (Lange, Little, Taylor 1989), then the best of these,
-/// between 1 and infinity. What is cut off counts as missing. The simpler wins unless the other is better beyond chance (0.1 %): no gross errors, normal
-/// ones. Where the scale of normal errors is 1 to chance it is 1. Nothing with fewer than 200 errors, or when most of
-/// them are zero.
+/// The distribution of given errors by maximum likelihood: expectation and maximisation (Dempster, Laird, Rubin 1977)
+/// of scale and gross share for each of some degrees of freedom (Lange, Little, Taylor 1989), then the best of these,
+/// between 1 and infinity. What is cut off counts as missing. The simpler wins unless the other is better beyond chance
+/// (0.1 %): no gross errors, normal ones. Where the scale of normal errors is 1 to chance it is 1. Nothing with fewer
+/// than 200 errors, or when most of them are zero.
 ///
 /// Cost: linear in the errors, once; everything else works on some hundred classes of size.
 [[nodiscard]] std::optional<ErrorDistribution> fit_errors(std::span<const CheckedError> errors);

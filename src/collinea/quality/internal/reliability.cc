@@ -38,6 +38,38 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNoRedundancy = 1e-6;  // rounding of the selected inverse: nothing checks such an observation
 constexpr std::size_t kMostSuspects = 1000;
 
+int ray_count(const Problem& problem, std::size_t point) {
+  return static_cast<int>(problem.end_ray(point) - problem.point(point).first_ray);
+}
+
+// What w of tie points is distributed like, over both coordinates. Those of a point with two rays say the same.
+TieErrors shown_tie_errors(const Problem& problem, const State& state, const std::vector<Eigen::Matrix2d>& leverages,
+                           double sigma0) {
+  std::vector<RayError> errors;
+  ImagePoint::for_each(problem, [&](const ImagePoint::Item& item) {
+    const int rays = ray_count(problem, item.point);
+    if (!ImagePoint::is_tie(problem, item) || (rays == 2 && item.ray != problem.point(item.point).first_ray)) return;
+    const auto px = ImagePoint::residual(problem, state, item);
+    if (!px) return;
+    const Eigen::Vector2d residual = *px * (problem.rays[item.ray].inverse_sigma / sigma0);
+    const double weight = ImagePoint::loss(problem, item).weight(ImagePoint::squared(problem, item, *px));
+    errors.push_back({checked_error(residual, Eigen::Matrix2d::Identity() - leverages[item.ray], weight), rays});
+  });
+  return fit_tie_errors(errors);
+}
+
+// The limit of |w|, and the shift of w that is found with the wanted power.
+struct TestLimits {
+  double limit = 0, delta0 = 0;
+};
+
+// Those of a class of tie points; as those of all else where its errors are normal.
+TestLimits limits_of(const ErrorDistribution& w, const Reliability& tests) {
+  if (w.is_normal() && w.scale == 1) return {tests.limit, tests.delta0};
+  const double limit = w.limit(tests.false_alarm);
+  return {limit, limit + (tests.power > 0.5 ? w.limit(2 * (1 - tests.power)) : 0)};
+}
+
 class Examiner {
  public:
   Examiner(const Solved& solved, const Adjusted& adjusted, const TestOptions& options, TileCholesky& inverse,
@@ -66,7 +98,11 @@ class Examiner {
     compute_leverages();
     by_source_.assign(block.observations.size(), Eigen::Vector2d::Constant(kNaN));
     if (run_.stopped()) return out_;
-    if (fits_ties_) fit_ties();
+    if (fits_ties_) {
+      out_.tie_errors = shown_tie_errors(problem_, state_, leverages_, sigma0_);
+      for (const TieErrors::Class& one : out_.tie_errors.classes)
+        out_.tie_limits.push_back(tie_limits_.emplace_back(limits_of(one.distribution, out_)).limit);
+    }
     ImagePoint::for_each(problem_, [&](const ImagePoint::Item& item) { take_image_point(item, block); });
     out_.tie_redundancy.reserve(adjusted_.observations.size());
     for (const std::uint32_t source : adjusted_.observations) out_.tie_redundancy.push_back(by_source_[source]);
@@ -85,45 +121,6 @@ class Examiner {
       const std::vector<Eigen::Matrix2d> all = PointSystem(problem_, state_, p).leverages(inverse_);
       for (std::size_t k = 0; k < all.size(); ++k) leverages_[problem_.point(p).first_ray + k] = all[k];
     });
-  }
-
-  [[nodiscard]] int rays_of(std::size_t point) const {
-    return static_cast<int>(problem_.end_ray(point) - problem_.point(point).first_ray);
-  }
-
-  // The distribution of w of tie points, over both coordinates. Those of a point with two rays say the same.
-  void fit_ties() {
-    std::vector<RayError> errors;
-    ImagePoint::for_each(problem_, [&](const ImagePoint::Item& item) {
-      const int rays = rays_of(item.point);
-      if (!ImagePoint::is_tie(problem_, item) || (rays == 2 && item.ray != problem_.point(item.point).first_ray)) return;
-      const auto px = ImagePoint::residual(problem_, state_, item);
-      if (!px) return;
-      const Eigen::Vector2d residual = *px * (problem_.rays[item.ray].inverse_sigma / sigma0_);
-      const double weight =
-          ImagePoint::loss(problem_, item).weight(ImagePoint::squared(problem_, item, *px));
-      errors.push_back({checked_error(residual, Eigen::Matrix2d::Identity() - leverages_[item.ray], weight), rays});
-    });
-    out_.tie_errors = fit_tie_errors(errors);
-    for (const TieErrors::Class& one : out_.tie_errors.classes) {
-      const ErrorDistribution& w = one.distribution;
-      const bool as_all = w.is_normal() && w.scale == 1;
-      out_.tie_limits.push_back(as_all ? out_.limit : w.limit(out_.false_alarm));
-      tie_shifts_.push_back(as_all || out_.power <= 0.5 ? 0 : w.limit(2 * (1 - out_.power)));
-    }
-  }
-
-  // The limit of w, and the shift of it that is found with the wanted power.
-  struct TestLimits {
-    double limit, delta0;
-  };
-  [[nodiscard]] TestLimits limits_of_ties(int rays) const {
-    const ErrorDistribution* of = out_.tie_errors.of(rays);
-    if (!of) return {out_.limit, out_.delta0};
-    std::size_t i = 0;
-    while (&out_.tie_errors.classes[i].distribution != of) ++i;
-    const bool as_all = of->is_normal() && of->scale == 1;
-    return {out_.tie_limits[i], as_all ? out_.delta0 : out_.tie_limits[i] + tie_shifts_[i]};
   }
 
   // `leverage` in units of the observation's weight, which is `weight` times 1 / sigma^2 (not 1 by a robust loss).
@@ -195,7 +192,8 @@ class Examiner {
     }
     const double s = ImagePoint::squared(problem_, item, *px), weight = ImagePoint::loss(problem_, item).weight(s);
     const Eigen::Vector2d leverage = leverages_[item.ray].diagonal();
-    const TestLimits limits = tie ? limits_of_ties(rays_of(item.point)) : TestLimits{out_.limit, out_.delta0};
+    const auto its_class = tie ? out_.tie_errors.class_of(ray_count(problem_, item.point)) : std::nullopt;
+    const TestLimits limits = its_class ? tie_limits_[*its_class] : TestLimits{out_.limit, out_.delta0};
     if (tie) tie_.add(s, 2);
     if (tie) by_source_[one.source] = Eigen::Vector2d::Ones() - leverage;
     for (int axis = 0; axis < 2; ++axis) {
@@ -304,7 +302,7 @@ class Examiner {
   double sigma0_ = 1;
   bool fits_ties_ = false;
   std::vector<Eigen::Matrix2d> leverages_;  // of each ray
-  std::vector<double> tie_shifts_;  // for each class of errors, what |w| exceeds with the probability 2 (1 - power)
+  std::vector<TestLimits> tie_limits_;      // for each class of tie errors
   std::vector<Eigen::Vector2d> by_source_;  // redundancy of each of Block::observations
   Reliability out_;
 };

@@ -35,9 +35,10 @@ struct TestOptions {
     visit(Field{"power", &O::power, "1", "probability with which a minimal detectable bias is found", 0.5, 0.999});
     visit(Field{"sigma0_known", &O::sigma0_known, "",
                 "the given sigmas are true: test by Baarda's w; otherwise by Pope's tau"});
-    visit(Field{"normal_ties", &O::normal_ties, "",
-                "test tie points against the normal distribution, as all else; otherwise against the one that their own "
-                "errors show (and with sigma0 known always)"});
+    visit(
+        Field{"normal_ties", &O::normal_ties, "",
+              "test tie points against the normal distribution, as all else; otherwise against the one that their own "
+              "errors show (and with sigma0 known always)"});
     visit(Field{"folds", &O::folds, "1",
                 "parts of the control, each left out together and predicted by the others; fewer where a part would "
                 "have one point",
@@ -109,10 +110,10 @@ struct Reliability {
 /// elements r, from 0 to 1, are the part of an error that its own residual shows, and their sum is the redundancy. The
 /// test of one observation is w = v / (sigma sqrt(r)) against its standard normal distribution (Baarda 1968), or,
 /// sigma0 being estimated too, against that of tau (Pope 1976). Errors of automatic tie points have longer tails than
-/// normal ones: the distribution of their w is estimated from all of them by classes of rays a point (fit_tie_errors()),
-/// and w is tested against the limit that it exceeds with the given probability, gross errors apart; where it is
-/// normal, or less than 500 tell, that is the limit of all else. The minimal detectable bias is delta0 sigma / sqrt(r),
-/// the shift delta0 being that of w which is found with the wanted power.
+/// normal ones: the distribution of their w is estimated from all of them by classes of rays a point
+/// (fit_tie_errors()), and w is tested against the limit that it exceeds with the given probability, gross errors
+/// apart; where it is normal, or less than 500 tell, that is the limit of all else. The minimal detectable bias is
+/// delta0 sigma / sqrt(r), the shift delta0 being that of w which is found with the wanted power.
 ///
 /// Rank and datum: r and w do not depend on the datum. Observations with r = 0 cannot be tested; they are counted, with
 /// an infinite minimal detectable bias.
