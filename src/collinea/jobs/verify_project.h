@@ -26,8 +26,8 @@ struct VerifyProjectOptions {
 };
 
 /// Whether the files that a report vouches for are still those: compares each with PROJECT/report/hashes.json. Needs
-/// nothing else of the project, so that also a copy of report/ and products/ can be verified. Errors: no hashes.json,
-/// or a damaged one; kCancelled.
+/// nothing else of the project, so that also a copy of report/, adjustment/ and products/ can be verified. Errors: no
+/// hashes.json, or a damaged one; kCancelled.
 [[nodiscard]] Result<Verified> verify_project(const std::filesystem::path& folder, const VerifyProjectOptions& options,
                                               const Run& run);
 
