@@ -16,6 +16,7 @@ void add_adjustment(const AdjustmentRecord& adjustment, const OrientationRecord&
   input.positions = adjustment.positions;
   input.geodetic = adjustment.geodetic;
   input.centre_sigma_m = adjustment.centre_sigma_m;
+  input.rotation_sigma_rad = adjustment.rotation_sigma_rad;
   for (const auto& [camera, sigma] : adjustment.calibration.sigma) {
     auto& values = input.camera_sigma[camera];
     std::copy_n(sigma.begin(), std::min(values.size(), sigma.size()), values.begin());

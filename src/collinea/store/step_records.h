@@ -208,6 +208,7 @@ struct AdjustmentRecord {
   std::vector<GeodeticDifference> geodetic;
   std::vector<HeightPrecision> height_precision;      ///< at some of the tie points
   std::map<ImageId, Eigen::Vector3d> centre_sigma_m;  ///< of projection centres: east, north, up; with sigma0
+  std::map<ImageId, Eigen::Vector3d> rotation_sigma_rad;  ///< of small turns about these axes; with sigma0
   std::vector<Finding> findings;
 
   template <class Visit>
@@ -235,6 +236,7 @@ struct AdjustmentRecord {
     visit("geodetic", &R::geodetic);
     visit("height_precision", &R::height_precision);
     visit("centre_sigma_m", &R::centre_sigma_m);
+    visit("rotation_sigma_rad", &R::rotation_sigma_rad);
     visit("findings", &R::findings);
   }
 };

@@ -176,8 +176,11 @@ AdjustmentRecord record_of(const Adjustment& adjustment, const OrientationRecord
   record.calibration = calibration_of(adjustment, calibration);
   record.geodetic = geodetic_of(adjustment, orientation);
   record.height_precision = height_precision_of(adjusted);
-  for (const auto& [image, covariance] : adjusted.pose_covariance)
-    record.centre_sigma_m[image] = covariance.diagonal().tail<3>().cwiseSqrt() * sigma_scale(adjusted);
+  for (const auto& [image, covariance] : adjusted.pose_covariance) {
+    const Eigen::Matrix<double, 6, 1> sigma = covariance.diagonal().cwiseSqrt() * sigma_scale(adjusted);
+    record.rotation_sigma_rad[image] = sigma.head<3>();
+    record.centre_sigma_m[image] = sigma.tail<3>();
+  }
   record.findings = findings_of(adjustment, orientation, setup);
   return record;
 }
