@@ -330,6 +330,7 @@ TEST(LengthText, ShowsWhatMatters) {
   EXPECT_EQ(length_text(1.23456, "m"), "1.235 m");
   EXPECT_EQ(length_text(0.0164, "m"), "0.016 m");
   EXPECT_EQ(length_text(0.00234, "m"), "0.0023 m");
+  EXPECT_EQ(length_text(0.0000034, "m"), "0.0000034 m");
   EXPECT_EQ(length_text(0.000123, "units"), "0.00012 units");
   EXPECT_EQ(length_text(std::nullopt, "m"), "\xe2\x80\x93");
 }

@@ -148,7 +148,7 @@ TEST(CameraPoses, OfAFreeNetworkErrorsGoTogetherAsStatedInTheDatumOfItsTiePoints
   }
   for (std::size_t k = 0; k < 6; ++k)
     EXPECT_NEAR(both[k], stated[k], 4 * std::sqrt((1 + stated[k] * stated[k]) / kBlocks)) << k;
-  EXPECT_GT(std::abs(stated[5]), 0.9);  // over gentle ground f and the heights of the images are one
+  EXPECT_GT(std::abs(stated[5]), 0.5);  // over gentle ground f goes with the heights of the images
 }
 
 }  // namespace
