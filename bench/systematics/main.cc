@@ -190,7 +190,7 @@ void print_check_points(const std::vector<Case>& cases, int blocks, const Run& r
 
 void print_systematics(int blocks, const Run& run) {
   using K = SystematicKind;
-  const FlightOptions turned{.attitudes = true}, free{.control = 0};
+  const FlightOptions turned{.attitudes = true}, free{.control = 0}, coarse{.position_sigma_m = 10};
   const std::vector<Case> cases = {
       {"time offset 2 ms", K::kTimeOffset, {.time_offset_s = 0.002}},
       {"lever arm 1.5, 0, 1.5 cm", K::kLeverArm, {.lever_arm_m = {0.015, 0, 0.015}}},
@@ -199,7 +199,7 @@ void print_systematics(int blocks, const Run& run) {
       {"drift 6 cm in height", K::kDrift, {.drift_m = {0, 0, 0.06}}},
       {"boresight 0.05 degrees", K::kBoresight, {.boresight_rad = {0.0009, 0, 0}}, turned},
       {"vertical datum 2.5 cm", K::kVerticalDatum, {.shift_m = {0, 0, 0.025}}},
-      {"positions of the next image", K::kAssignment, {.assignment = 1}},
+      {"positions of the next image, sigma 10 m", K::kAssignment, {.assignment = 1}, coarse},
       {"bowl 6 cm", K::kBowl, {.bowl_m = 0.06}, free},
       {"b1 0.3 px", K::kAffinity, {.b1_px = 0.3}},
       {"rolling shutter 3 ms", K::kRollingShutter, {.shutter_s = 0.003}},
