@@ -143,6 +143,17 @@ PixelSource pixels_of(const Project& project, const Block& block) {
   return [&](ImageId image, int shrink) { return read_colour(project.image_file(block.images.at(image)), shrink); };
 }
 
+// Times sigma0; none of a block that was not adjusted.
+std::map<ImageId, PoseCovariance> covariances_of_poses(const Project& project) {
+  std::map<ImageId, PoseCovariance> scaled;
+  const auto covariances = project.store.read_covariances();
+  const auto adjusted = project.store.read_outcome<AdjustmentRecord>();
+  if (!covariances || !adjusted) return scaled;
+  const double sigma0 = adjusted->redundancy > 0 && adjusted->sigma0 > 1e-9 ? adjusted->sigma0 : 1;
+  for (const auto& [image, covariance] : covariances->poses) scaled[image] = sigma0 * sigma0 * covariance;
+  return scaled;
+}
+
 }  // namespace
 
 Result<> export_block(Project& project, const std::filesystem::path& folder, const ExportOptions& options) {
@@ -164,7 +175,7 @@ Result<> export_block(Project& project, const std::filesystem::path& folder, con
     case ExportFormat::kBundler:
       return export_bundler(project, folder, block);
     case ExportFormat::kOpk:
-      return write_opk(folder / "orientation.opk", block);
+      return write_opk(folder / "orientation.opk", block, covariances_of_poses(project));
     case ExportFormat::kPatb:
       return write_patb(folder / "block.im", block, options.pixel_um);
     case ExportFormat::kBingo:
