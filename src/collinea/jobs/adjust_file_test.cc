@@ -32,8 +32,8 @@ std::map<std::string, std::vector<std::string>> table_in(const std::filesystem::
 }
 
 // Once plainly, once with everything that instruments can have.
-class AdjustFileRoundTrip : public testing::TestWithParam<bool> {};
-INSTANTIATE_TEST_SUITE_P(WithAndWithoutInstruments, AdjustFileRoundTrip, testing::Bool());
+class AdjustFileRoundTrip : public ::testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(WithAndWithoutInstruments, AdjustFileRoundTrip, ::testing::Bool());
 
 TEST_P(AdjustFileRoundTrip, WhatAProjectExportsGivesTheSameAdjustment) {
   const TestFolder folder;

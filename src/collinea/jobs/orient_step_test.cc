@@ -20,7 +20,7 @@ namespace collinea {
 namespace {
 
 // A flight that orient can begin with, its setup to be spoilt.
-class OrientStepTest : public testing::Test {
+class OrientStepTest : public ::testing::Test {
  protected:
   void SetUp() override {
     SurveyOptions survey;

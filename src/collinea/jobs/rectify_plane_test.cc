@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 
 // An image of a wall with a grid painted on it, at whose corners points are measured; the wall is the plane x, z of
 // the world, seen from the south. Beside it the orientation as a COLMAP model.
-class RectifyPlane : public testing::Test {
+class RectifyPlane : public ::testing::Test {
  protected:
   void SetUp() override {
     camera_ = ideal_camera(700, 800, 600);
