@@ -141,10 +141,12 @@ bool ScoreNormals::take_ray(const Ray& ray, const double* position, const Loss& 
     out.slot = slot;
     out.first = its.first - first_;
     out.functions = columns_.functions.count();
-    columns_.functions.at(its.size, ray.pixel, out.phi);
+    // Where the point is computed: H of measured pixels would share their errors with the residuals.
+    const double* pixel = linear.at.pixel;
+    columns_.functions.at(its.size, pixel, out.phi);
     for (int k = 0; k < out.functions; ++k) out.phi[k] *= linear.root_weight;
     // Rolling shutter: the camera is farther on its way when a lower row is read.
-    const Eigen::Vector3d way = (ray.pixel[1] / its.size.height_px - 0.5) * columns_.velocity[ray.image];
+    const Eigen::Vector3d way = (pixel[1] / its.size.height_px - 0.5) * columns_.velocity[ray.image];
     out.add(out.first + 2 * out.functions, -(a[0] * way[0] + a[1] * way[1] + a[2] * way[2]),
             -(b[0] * way[0] + b[1] * way[1] + b[2] * way[2]));
   }
