@@ -401,7 +401,7 @@ image, C, IMG_2.jpg, 11, 20
   ASSERT_TRUE(imported) << imported.error().message;
   EXPECT_EQ(imported->block.control_observations.size(), 6u);
   EXPECT_EQ(labels_of(*imported, FindingCode::kControlOutsideImage), "");
-  EXPECT_EQ(labels_of(*imported, FindingCode::kMarksOutside), "marks_outside: count 4; of 6\n");
+  EXPECT_EQ(labels_of(*imported, FindingCode::kMarksOutside), "marks_outside; count 4; of 6\n");
 }
 
 TEST(ImportControl, AFileBesideTheImagesThatWasNotGivenIsNamed) {

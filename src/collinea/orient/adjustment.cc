@@ -10,6 +10,7 @@
 #include "collinea/orient/flight_strips.h"
 #include "collinea/orient/instrument_options.h"
 #include "collinea/quality/divergence.h"
+#include "collinea/quality/systematic_findings.h"
 
 namespace collinea {
 namespace {
@@ -88,7 +89,7 @@ Result<bool> take_up_instrument(Adjustment& done) {
   const SystematicTest* strongest = nullptr;
   for (const SystematicTest& test : done.adjusted.systematics)
     if (is_it(test) && (!strongest || test.p_value < strongest->p_value)) strongest = &test;
-  if (strongest) done.taken_up.push_back(*strongest);
+  if (strongest) done.taken_up.push_back(taken_up_finding(done.adjusted.systematics, *strongest, done.block));
   done.instruments = next;
   return true;
 }

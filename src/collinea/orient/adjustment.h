@@ -29,7 +29,7 @@ struct Adjustment {
   Examined adjusted;                             ///< with covariances and reliability
   AdjustScope scope;                             ///< of that
   InstrumentOptions instruments;                 ///< that took part, with those that were taken up
-  std::vector<SystematicTest> taken_up;          ///< the tests for which instruments or camera parameters were
+  std::vector<Finding> taken_up;                 ///< systematic errors that are estimated without having been asked for
   std::optional<Refracted> refracted;            ///< when measurements were corrected for refraction
   std::optional<Mismatches> mismatches;          ///< of tie points, when they were rejected
   std::optional<Snooped> snooped;                ///< when gross errors were rejected; its `adjusted` may have been moved

@@ -43,7 +43,7 @@ TEST(OrientMarks, MarksThatWereCountedOtherwiseAreCorrectedAndNamed) {
     const auto found = orient(input.setup, input.pairs, input.source(), {}, {});
     ASSERT_TRUE(found) << found.error().message;
     EXPECT_EQ(count_of(found->findings, FindingCode::kMarksCountedOtherwise), 1u) << word_of(written.system);
-    EXPECT_EQ(count_of(found->findings, FindingCode::kMarksCorrected), 1u);
+    EXPECT_EQ(count_of(found->findings, FindingCode::kMarksCorrected), 1u) << word_of(written.system);
     EXPECT_EQ(count_of(found->findings, FindingCode::kControlMeasurement), 1u);  // the gross one
     EXPECT_EQ(count_of(found->findings, FindingCode::kControlMeasurementsDisagree), 0u);
     EXPECT_TRUE(found->georeferenced);

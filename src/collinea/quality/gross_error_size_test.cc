@@ -23,7 +23,8 @@ constexpr int kMost = 1000;
 
 ExamineOptions options() {
   return {.adjust = {.calibration = Calibration::kNone, .loss = Loss::kNone, .position_loss = Loss::kNone},
-          .reliability = true};
+          .reliability = true,
+          .test = {.normal_ties = true}};
 }
 
 bool is_rejected(const Snooped& snooped, const TestedObservation& one) {

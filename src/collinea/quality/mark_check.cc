@@ -199,6 +199,18 @@ std::optional<Explanation> best_of(const Points& points, MarkSystem system) {
   return best;
 }
 
+// A factor that the same system does as well without says nothing: over flat ground it goes with the depth of the points.
+void drop_needless_factors(std::vector<Explanation>& tried) {
+  constexpr double kAsWell = 0.9;
+  const std::vector<Explanation> all = tried;
+  std::erase_if(tried, [&](const Explanation& one) {
+    const MarkSystem plain = without_factor(one.hypothesis.system);
+    return plain != one.hypothesis.system && std::ranges::any_of(all, [&](const Explanation& other) {
+             return other.hypothesis.system == plain && other.meeting.share() >= kAsWell * one.meeting.share();
+           });
+  });
+}
+
 Finding finding_of_system(FindingCode code, const Explanation& found, const MarkMeeting& as_given, double limit_px) {
   return finding_of(code, {},
                     {{FigureName::kCount, double(found.meeting.meeting)},
@@ -226,6 +238,7 @@ MarkDiagnosis check_marks(const Block& block) {
   for (const auto& [system, word, meaning] : kMarkSystemWords)
     if (system != MarkSystem::kAsGiven)
       if (const auto found = best_of(points, system)) tried.push_back(*found);
+  drop_needless_factors(tried);
   std::stable_sort(tried.begin(), tried.end(), [](const Explanation& one, const Explanation& other) {
     return one.meeting.share() > other.meeting.share();
   });

@@ -47,6 +47,22 @@ constexpr std::span<const Word<MarkSystem>> words(MarkSystem) { return kMarkSyst
 
 [[nodiscard]] constexpr bool has_factor(MarkSystem system) { return system >= MarkSystem::kResampled; }
 
+/// The same with the factor 1; of a system without a factor itself.
+[[nodiscard]] constexpr MarkSystem without_factor(MarkSystem system) {
+  switch (system) {
+    case MarkSystem::kResampled:
+      return MarkSystem::kAsGiven;
+    case MarkSystem::kResampledRowsUp:
+      return MarkSystem::kRowsUp;
+    case MarkSystem::kScaledCentre:
+      return MarkSystem::kCentre;
+    case MarkSystem::kScaledCentreRowsUp:
+      return MarkSystem::kCentreRowsUp;
+    default:
+      return system;
+  }
+}
+
 /// A system with its factor (1 where it has none).
 struct MarkHypothesis {
   MarkSystem system = MarkSystem::kAsGiven;

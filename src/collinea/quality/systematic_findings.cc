@@ -117,17 +117,12 @@ std::vector<Finding> systematic_findings(const std::vector<SystematicTest>& test
   return findings;
 }
 
-std::vector<Finding> taken_up_findings(const std::vector<SystematicTest>& tests, const Block& block) {
-  std::vector<Finding> findings;
-  for (const SystematicTest& test : tests) {
-    SystematicTest alone = test;
-    alone.indistinguishable.clear();  // they count in the list of tests that it was in
-    Finding& finding = findings.emplace_back(finding_of_test({}, alone, block));
-    finding.code = FindingCode::kSystematicTakenUp;
-    finding.severity = Severity::kNote;
-    finding.remedies.clear();
-  }
-  return findings;
+Finding taken_up_finding(const std::vector<SystematicTest>& tests, const SystematicTest& test, const Block& block) {
+  Finding finding = finding_of_test(tests, test, block);
+  finding.code = FindingCode::kSystematicTakenUp;
+  finding.severity = Severity::kNote;
+  finding.remedies.clear();
+  return finding;
 }
 
 }  // namespace collinea

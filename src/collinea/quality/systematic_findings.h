@@ -13,7 +13,8 @@ namespace collinea {
 /// from it as further subjects. It is a note when it moves no point by more than its standard deviation.
 [[nodiscard]] std::vector<Finding> systematic_findings(const std::vector<SystematicTest>& tests, const Block& block);
 
-/// The same of tests for which the adjustment now has an unknown.
-[[nodiscard]] std::vector<Finding> taken_up_findings(const std::vector<SystematicTest>& tests, const Block& block);
+/// That of a test for which the next adjustment has an unknown.
+[[nodiscard]] Finding taken_up_finding(const std::vector<SystematicTest>& tests, const SystematicTest& test,
+                                       const Block& block);
 
 }  // namespace collinea

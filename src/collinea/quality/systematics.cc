@@ -49,6 +49,10 @@ InstrumentOptions taken_up(const std::vector<SystematicTest>& tests, const Instr
     if (can_be_taken_up(tests, test, current) && (!first || is_stronger(test, *first))) first = &test;
   InstrumentOptions options = current;
   if (!first) return options;
+  // Of what cannot be told apart that with the fewest parameters: the others fit chance besides.
+  const SystematicTest& strongest = *first;
+  for (const std::size_t other : strongest.indistinguishable)
+    if (tests[other].degrees < first->degrees && can_be_taken_up(tests, tests[other], current)) first = &tests[other];
   if (first->kind == SystematicKind::kTimeOffset) options.time_offset = true;
   if (first->kind == SystematicKind::kLeverArm) options.lever_arm = LeverArmOption(LeverArmWord::kEstimate);
   if (first->kind == SystematicKind::kShift)

@@ -17,6 +17,7 @@ namespace collinea {
 struct Rejected : Measurement {
   int axis = 0;           ///< the coordinate that was beyond the limit: 0 column or east, 1 row or north, 2 height
   double w = 0;           ///< its test when it was the worst; infinite: its image does not see the point
+  double limit = 0;       ///< of that test
   double redundancy = 0;  ///< its redundancy number then; NaN: gross, rejected before there was one
   double influence = 0;   ///< by how much the adjusted value of that coordinate followed it
   /// Measured minus what the adjustment without it says, with the standard deviation that this would have without a

@@ -25,6 +25,7 @@ Rejection rejection_of(const ChosenSuspect& one, const Measurements& all, double
   static_cast<Measurement&>(rejected.rejected) = one.measurement;
   rejected.rejected.axis = one.test.axis;
   rejected.rejected.w = one.test.w;
+  rejected.rejected.limit = one.test.limit;
   rejected.rejected.redundancy = one.test.redundancy;
   rejected.rejected.influence = one.test.gross_error - one.test.residual;
   rejected.rejected.as_pair = one.as_pair;
@@ -52,7 +53,7 @@ std::vector<std::size_t> agreeing(const Remaining& remaining, double limit, cons
   for (std::size_t i = 0; i < remaining.rejections.size(); ++i) {
     const Rejected& rejected = remaining.rejections[i].rejected;
     const bool point_is_there = !rejected.point.valid() || rays[rejected.point] >= 2;
-    if (!rejected.as_pair && point_is_there && std::abs(rejected.gross_error[rejected.axis]) < limit * rejected.sigma &&
+    if (!rejected.as_pair && point_is_there && std::abs(rejected.gross_error[rejected.axis]) < std::max(limit, rejected.limit) * rejected.sigma &&
         put_back.insert(rejected).second)
       indices.push_back(i);
   }

@@ -37,7 +37,7 @@ Examined examined(const Block& block, const std::vector<TestedObservation>& susp
 }
 
 TestedObservation suspect(ObservationGroup group, std::uint32_t source, double w, double redundancy = 0.8) {
-  return {.group = group, .source = source, .redundancy = redundancy, .w = w, .suspicion = w};
+  return {.group = group, .source = source, .redundancy = redundancy, .w = w, .limit = 3, .suspicion = w};
 }
 
 TestedObservation ray(std::uint32_t source, double w, double redundancy = 0.8) {

@@ -143,7 +143,7 @@ std::vector<Finding> findings_of(const Adjustment& adjustment, const Orientation
   const std::set<std::size_t> excluded(orientation.excluded_geodetic.begin(), orientation.excluded_geodetic.end());
   std::vector<Finding> findings = adjusted_findings(adjustment.block, adjustment.adjusted, setup.cameras, excluded);
   const auto add = [&](const std::vector<Finding>& more) { findings.insert(findings.end(), more.begin(), more.end()); };
-  add(taken_up_findings(adjustment.taken_up, adjustment.block));
+  add(adjustment.taken_up);
   add(systematic_findings(adjustment.adjusted.systematics, adjustment.block));
   if (adjustment.snooped) add(rejected_findings(*adjustment.snooped));
   return findings;
