@@ -7,8 +7,8 @@
 #include <set>
 
 #include "blocks.h"
-#include "gross_error_counts.h"
 #include "collinea/quality/snooping.h"
+#include "gross_error_counts.h"
 #include "rows.h"
 
 namespace collinea::bench {

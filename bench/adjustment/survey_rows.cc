@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "blocks.h"
-#include "gross_error_counts.h"
 #include "collinea/adjust/survey_block.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/quality/snooping.h"
 #include "collinea/report/finding_words.h"
+#include "gross_error_counts.h"
 #include "rows.h"
 
 namespace collinea::bench {

@@ -165,7 +165,7 @@ Result<AdjustmentReport> adjust_file(const std::filesystem::path& path, const st
                                 .use_positions = asked.use_positions,
                                 .use_control = asked.use_control},
                       .options = examine_options(asked, Calibration::kNone),
-                      .reject_mismatches = asked.reject_mismatches.value_or(false)};
+                      .reject_mismatches = asked.reject_mismatches};
   if (asked.snoop.value_or(false)) task.snoop = SnoopedKinds::kAll;
   set_calibration(asked.calibration, file, task.scope);
   if (!asked.use_geodetic)

@@ -60,7 +60,8 @@ TEST(AdjustProject, SnoopingTakesOutWhatIsWrongInAProject) {
   auto project = open_small_survey(folder / "block");
   ASSERT_TRUE(project && bring_up_to(*project, Step::kOrient));
   const auto report_of = [&](bool snoop) {
-    const auto done = try_adjustment(*project, {.loss = Loss::kNone, .reject_mismatches = false, .snoop = snoop}, folder / "trial");
+    const auto done =
+        try_adjustment(*project, {.loss = Loss::kNone, .reject_mismatches = false, .snoop = snoop}, folder / "trial");
     EXPECT_TRUE(done) << done.error().message;
     return report_in(folder / "trial");
   };

@@ -208,9 +208,10 @@ TEST_F(InstrumentsTest, AreFoundByOrientAndTakenOverByAdjust) {
   expect_found(adjusted().at("auxiliary_unknowns"));
   EXPECT_NEAR(adjusted().at("sigma0").get<double>(), 1, 0.1);
   // Without any of it: what orient found is left out, and the positions contradict.
-  const auto without = try_adjustment(
-      *project_, {.instruments = {.position_shift = PositionShift::kNone, .time_offset = false},
-                   .systematics = Systematics::kNone}, folder_ / "trial");
+  const auto without = try_adjustment(*project_,
+                                      {.instruments = {.position_shift = PositionShift::kNone, .time_offset = false},
+                                       .systematics = Systematics::kNone},
+                                      folder_ / "trial");
   ASSERT_TRUE(without) << without.error().message;
   EXPECT_FALSE(adjusted().contains("auxiliary_unknowns"));
 }

@@ -25,14 +25,14 @@ struct AdjustmentTask {
 
 /// An adjusted block and all that is known of it.
 struct Adjustment {
-  Block block;                                   ///< as adjusted, with the sigmas that were used
-  Examined adjusted;                             ///< with covariances and reliability
-  AdjustScope scope;                             ///< of that
-  InstrumentOptions instruments;                 ///< that took part, with those that were taken up
-  std::vector<Finding> taken_up;                 ///< systematic errors that are estimated without having been asked for
-  std::optional<Refracted> refracted;            ///< when measurements were corrected for refraction
-  std::optional<Mismatches> mismatches;          ///< of tie points, when they were rejected
-  std::optional<Snooped> snooped;                ///< when gross errors were rejected; its `adjusted` may have been moved
+  Block block;                           ///< as adjusted, with the sigmas that were used
+  Examined adjusted;                     ///< with covariances and reliability
+  AdjustScope scope;                     ///< of that
+  InstrumentOptions instruments;         ///< that took part, with those that were taken up
+  std::vector<Finding> taken_up;         ///< systematic errors that are estimated without having been asked for
+  std::optional<Refracted> refracted;    ///< when measurements were corrected for refraction
+  std::optional<Mismatches> mismatches;  ///< of tie points, when they were rejected
+  std::optional<Snooped> snooped;        ///< when gross errors were rejected; its `adjusted` may have been moved
   std::optional<VarianceComponents> components;  ///< when they were estimated and applied
   std::vector<AdditionalTest> additional;        ///< of cameras with additional parameters
   double additional_level = 0;                   ///< of their tests

@@ -30,9 +30,10 @@ struct InstrumentChanges {
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = InstrumentChanges;
-    visit(Field{"lever_arm", &O::lever_arm, "m",
-                "antenna from the projection centre in the camera, right,down,forward: x,y,z; or estimate, or none; or one for "
-                "each camera: NAME:x,y,z; NAME:estimate"});
+    visit(Field{
+        "lever_arm", &O::lever_arm, "m",
+        "antenna from the projection centre in the camera, right,down,forward: x,y,z; or estimate, or none; or one for "
+        "each camera: NAME:x,y,z; NAME:estimate"});
     visit(Field{"position_shift", &O::position_shift, "",
                 "shift that the positions have in common, to be found with control"}
               .or_auto("as orient, or the file, has it"));
@@ -64,7 +65,7 @@ struct AdjustmentOptions {
   bool use_geodetic = true;
   InstrumentChanges instruments;
   bool given_sigmas = false;
-  std::optional<bool> reject_mismatches;
+  bool reject_mismatches = false;
   std::optional<bool> snoop;
   int snoop_most = 1000;
   bool variance_components = false;
@@ -86,8 +87,8 @@ struct AdjustmentOptions {
                 "chance that one that is zero is called significant; of 44 less than one is then", 1e-12, 0.5});
     visit(Field{"refraction", &O::refraction, "",
                 "correct the measurements for the refraction of a standard atmosphere"});
-    visit(Field{"loss", &O::loss, "", "robust loss of tie points and positions"}
-              .or_auto("huber; of the tie points of a project none: their wrong matches are out"));
+    visit(Field{"loss", &O::loss, "", "robust loss of tie points and positions"}.or_auto(
+        "huber; of the tie points of a project none: their wrong matches are out"));
     visit(
         Field{"loss_scale_sigmas", &O::loss_scale_sigmas, "sigma", "residual from which the loss sets in", 0.01, 1e6});
     visit(Field{"use_positions", &O::use_positions, "", "use the positions of images where orient did"});
@@ -109,8 +110,8 @@ struct AdjustmentOptions {
                 "estimate the standard deviations of each group of observations, and use them"});
     visit(Field{"systematics", &O::systematics, "",
                 "errors that many observations have in common: instruments, vertical datum, cameras, atmosphere"});
-    visit(Field{"systematics_level", &O::systematics_level, "1",
-                "chance that any of them is named in a block without", 1e-12, 0.5});
+    visit(Field{"systematics_level", &O::systematics_level, "1", "chance that any of them is named in a block without",
+                1e-12, 0.5});
     visit(Part{&O::tests});
     visit(Group{"adjust_instruments", &O::instruments});
   }

@@ -92,7 +92,7 @@ Result<ProjectAdjustment> adjustment_of(const Project& project, const Adjustment
   COLLINEA_TRY(add_instruments(task.block, task.instruments, task.scope));
   task.options = examine_options(asked, asked.calibration.value_or(orientation.calibration));
   if (!asked.loss) task.options.adjust.loss = Loss::kNone;
-  task.reject_mismatches = asked.reject_mismatches.value_or(!orientation.holds_given_poses);
+  task.reject_mismatches = asked.reject_mismatches;
   if (asked.snoop.value_or(true)) task.snoop = asked.snoop ? SnoopedKinds::kAll : SnoopedKinds::kGiven;
   COLLINEA_TRY(const std::vector<std::string> instead, set_additional(asked, task));
   if (const std::string note = fixed_instead_words(instead); !note.empty()) project.run.say("note: " + note);

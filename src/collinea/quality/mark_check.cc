@@ -199,7 +199,8 @@ std::optional<Explanation> best_of(const Points& points, MarkSystem system) {
   return best;
 }
 
-// A factor that the same system does as well without says nothing: over flat ground it goes with the depth of the points.
+// A factor that the same system does as well without says nothing: over flat ground it goes with the depth of the
+// points.
 void drop_needless_factors(std::vector<Explanation>& tried) {
   constexpr double kAsWell = 0.9;
   const std::vector<Explanation> all = tried;

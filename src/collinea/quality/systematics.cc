@@ -18,7 +18,7 @@ bool is_given(const SystematicTest& test, const InstrumentOptions& options) {
   return options.position_shift != PositionShift::kNone;
 }
 
-// Control places the block when positions are shifted: those of one strip alone are told by the others, but not all.
+// Control places the block when positions are shifted: those of one strip alone follow from the others, but not all.
 bool is_placed_by_control(const std::vector<SystematicTest>& tests) {
   return std::ranges::any_of(tests, [](const SystematicTest& test) {
     return test.kind == SystematicKind::kShift && !test.strip && test.determined;

@@ -93,9 +93,9 @@ struct SystematicTest {
 inline constexpr double kTakenUpBelow = 1e-6;
 
 /// The options with the most significant error of an instrument among the tests also estimated: a time offset, a lever
-/// arm or a shift that is determined, below kTakenUpBelow and not explained by another test; of those that cannot be told from it that with the fewest
-/// parameters. One at a time, since the
-/// next adjustment judges the others anew: call until nothing changes. `current` where there is none.
+/// arm or a shift that is determined, below kTakenUpBelow and not explained by another test; of those that cannot be
+/// told from it that with the fewest parameters. One at a time, since the next adjustment judges the others anew: call
+/// until nothing changes. `current` where there is none.
 [[nodiscard]] InstrumentOptions taken_up(const std::vector<SystematicTest>& tests, const InstrumentOptions& current);
 
 /// Whether a test is of a stronger error than another one: what stands for itself comes before what is explained.

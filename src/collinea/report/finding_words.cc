@@ -539,7 +539,8 @@ std::string instrument_words(const Words& w) {
 
 // With unit: px in images, m on the ground, degrees.
 std::string gross_error_words(const Words& w) {
-  const bool in_image = w.finding.figure(F::kOffsetPx).has_value(), angle = w.finding.figure(F::kDifferenceAngle).has_value();
+  const bool in_image = w.finding.figure(F::kOffsetPx).has_value(),
+             angle = w.finding.figure(F::kDifferenceAngle).has_value();
   const char* unit = in_image ? "px" : angle ? "degrees" : "m";
   const double off = w[in_image ? F::kOffsetPx : angle ? F::kDifferenceAngle : F::kOffset];
   const int decimals = in_image ? 1 : angle ? 4 : 3;

@@ -109,9 +109,9 @@ Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem:
   // The GeoPackage is a database, and takes as long as all texts.
   std::array<Result<>, 2> written;
   parallel_for(run, written.size(), [&](std::size_t i) {
-    written[i] =
-        i == 0 ? write_products(report, products, precision_layers(report, products),
-                                         folder / "adjustment.gpkg") : write_texts(report, products, folder);
+    written[i] = i == 0
+                     ? write_products(report, products, precision_layers(report, products), folder / "adjustment.gpkg")
+                     : write_texts(report, products, folder);
   });
   for (Result<>& one : written)
     if (!one) return std::move(one);

@@ -206,8 +206,8 @@ struct AdjustmentRecord {
   std::vector<ControlDifference> control;  ///< those that were excluded last
   std::vector<PositionDifference> positions;
   std::vector<GeodeticDifference> geodetic;
-  std::vector<HeightPrecision> height_precision;      ///< at some of the tie points
-  std::map<ImageId, Eigen::Vector3d> centre_sigma_m;  ///< of projection centres: east, north, up; with sigma0
+  std::vector<HeightPrecision> height_precision;          ///< at some of the tie points
+  std::map<ImageId, Eigen::Vector3d> centre_sigma_m;      ///< of projection centres: east, north, up; with sigma0
   std::map<ImageId, Eigen::Vector3d> rotation_sigma_rad;  ///< of small turns about these axes; with sigma0
   std::vector<Finding> findings;
 

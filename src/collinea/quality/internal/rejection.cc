@@ -53,7 +53,8 @@ std::vector<std::size_t> agreeing(const Remaining& remaining, double limit, cons
   for (std::size_t i = 0; i < remaining.rejections.size(); ++i) {
     const Rejected& rejected = remaining.rejections[i].rejected;
     const bool point_is_there = !rejected.point.valid() || rays[rejected.point] >= 2;
-    if (!rejected.as_pair && point_is_there && std::abs(rejected.gross_error[rejected.axis]) < std::max(limit, rejected.limit) * rejected.sigma &&
+    if (!rejected.as_pair && point_is_there &&
+        std::abs(rejected.gross_error[rejected.axis]) < std::max(limit, rejected.limit) * rejected.sigma &&
         put_back.insert(rejected).second)
       indices.push_back(i);
   }

@@ -115,9 +115,8 @@ CalibrationRecord calibration_of(const Adjustment& adjustment, Calibration calib
   CalibrationRecord record;
   for (const auto& [id, camera] : adjustment.adjusted.cameras) {
     const auto own = adjustment.scope.camera_sigmas.find(id);
-    const CameraSigmas sigmas = own != adjustment.scope.camera_sigmas.end()
-                                    ? own->second
-                                    : calibration_sigmas(calibration, camera);
+    const CameraSigmas sigmas =
+        own != adjustment.scope.camera_sigmas.end() ? own->second : calibration_sigmas(calibration, camera);
     for (const int param : params_of(camera))
       if (sigmas[std::size_t(param)] > 0) record.free[id].push_back(static_cast<std::uint32_t>(param));
   }
