@@ -100,6 +100,9 @@ struct AdjustmentOptions {
         Field{"given_sigmas", &O::given_sigmas, "",
               "take the sigmas of control and the coordinates of positions as they were given, also where orient found "
               "them contradicted"});
+    visit(Field{"reject_mismatches", &O::reject_mismatches, "",
+                "reject measurements of tie points that are more probably of another point than as imprecise as the "
+                "others, all in one round; orient has done so once"});
     visit(Field{
         "snoop", &O::snoop, "",
         "reject the worst suspect and adjust again, until none is left; measurements of control that orient "
