@@ -44,6 +44,7 @@ class CreationOptions {
 OGRLayerH made_layer(void* dataset, const VectorLayer& layer, void* srs) {
   CreationOptions options;
   if (!layer.description.empty()) options.set("DESCRIPTION", layer.description);
+  if (!layer.indexed) options.set("SPATIAL_INDEX", "NO");
   const OGRLayerH made = GDALDatasetCreateLayer(dataset, layer.name.c_str(), srs, geometry_type(layer), options.list());
   for (std::size_t i = 0; made && i < layer.fields.size(); ++i) {
     const OGRFieldDefnH field = OGR_Fld_Create(layer.fields[i].name.c_str(), field_type(layer.fields[i].type));

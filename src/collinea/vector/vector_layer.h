@@ -46,6 +46,7 @@ struct VectorLayer {
   bool flat = false;             ///< positions without heights
   std::string description = {};  ///< what it shows, for people
   std::optional<VectorStyle> style = {};
+  bool indexed = true;  ///< by position, for whoever looks at a part of it; takes as long as writing the rows
 };
 
 }  // namespace collinea

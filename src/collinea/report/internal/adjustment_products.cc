@@ -272,6 +272,7 @@ Result<> write_products(const AdjustmentReport& report, const AdjustmentProducts
                       {"sigma_north_m"},
                       {"sigma_height_m"}},
                      {}};
+  points.indexed = false;  // they are drawn all at once
   for (const ProductPoint& point : products.points) {
     VectorRow row{{point.position_m}, {std::int64_t(point.point.value), std::int64_t(point.images)}};
     append(row.values, sigma(point.covariance_m2));
