@@ -8,9 +8,8 @@
 #include <utility>
 
 #include "collinea/orient/flight_strips.h"
-#include "collinea/orient/instrument_options.h"
+#include "collinea/orient/internal/systematics_taken_up.h"
 #include "collinea/quality/divergence.h"
-#include "collinea/quality/systematic_findings.h"
 
 namespace collinea {
 namespace {
@@ -60,38 +59,6 @@ SystematicOptions systematics_of(const AdjustmentOptions& asked, const Adjustmen
   for (const FlightStrip& strip : flight_strips(done.block)) options.strips.push_back(strip);
   options.velocity_m_s = flight_velocities(done.block);
   return options;
-}
-
-// What the next options have and these have not.
-InstrumentOptions added(const InstrumentOptions& now, const InstrumentOptions& next) {
-  InstrumentOptions more;
-  if (next.time_offset && !now.time_offset) more.time_offset = true;
-  if (has_lever_arm(next) && !has_lever_arm(now)) more.lever_arm = next.lever_arm;
-  if (next.position_shift != now.position_shift) more.position_shift = next.position_shift;
-  return more;
-}
-
-bool is_any(const InstrumentOptions& more) {
-  return more.time_offset || has_lever_arm(more) || more.position_shift != PositionShift::kNone;
-}
-
-// The strongest error of an instrument that is beyond doubt takes part from now on. False: there is none.
-Result<bool> take_up_instrument(Adjustment& done) {
-  const InstrumentOptions next = taken_up(done.adjusted.systematics, done.instruments);
-  const InstrumentOptions more = added(done.instruments, next);
-  if (!is_any(more)) return false;
-  COLLINEA_TRY(add_instruments(done.block, more, done.scope));
-  const auto is_it = [&](const SystematicTest& test) {
-    return (test.kind == SystematicKind::kTimeOffset && more.time_offset) ||
-           (test.kind == SystematicKind::kLeverArm && has_lever_arm(more)) ||
-           (test.kind == SystematicKind::kShift && more.position_shift != PositionShift::kNone);
-  };
-  const SystematicTest* strongest = nullptr;
-  for (const SystematicTest& test : done.adjusted.systematics)
-    if (is_it(test) && (!strongest || test.p_value < strongest->p_value)) strongest = &test;
-  if (strongest) done.taken_up.push_back(taken_up_finding(done.adjusted.systematics, *strongest, done.block));
-  done.instruments = next;
-  return true;
 }
 
 // One adjustment, with gross errors rejected where they are to be.
@@ -173,9 +140,8 @@ Result<Adjustment> adjust_block(AdjustmentTask task, const AdjustmentOptions& as
   options.systematics = systematics_of(asked, done);
   COLLINEA_TRY(adjust_once(task, options, asked, run, done));
   for (int taken = 0; taken < kMostTakenUp && asked.systematics == Systematics::kAuto; ++taken) {
-    COLLINEA_TRY(const bool more, take_up_instrument(done));
+    COLLINEA_TRY(const bool more, take_up_systematics(asked, options.adjust.calibration, done));
     if (!more) break;
-    apply(done.adjusted, done.block);
     COLLINEA_TRY(adjust_once(task, options, asked, run, done));
   }
   if (asked.variance_components) {

@@ -11,6 +11,10 @@ bool is_of_instrument(const SystematicTest& test) {
          test.kind == SystematicKind::kShift;
 }
 
+bool is_deformation(const SystematicTest& test) {
+  return test.kind == SystematicKind::kAffinity || test.kind == SystematicKind::kAdditional;
+}
+
 bool is_given(const SystematicTest& test, const InstrumentOptions& options) {
   if (test.kind == SystematicKind::kTimeOffset) return options.time_offset;
   if (test.kind == SystematicKind::kLeverArm)  // also one that is given: that is for its giver to judge
@@ -25,14 +29,20 @@ bool is_placed_by_control(const std::vector<SystematicTest>& tests) {
   });
 }
 
-// It can be taken up, and nothing but what cannot be told from it explains it.
+// Nothing but what cannot be told from it explains it.
+bool stands(const SystematicTest& test) {
+  return !test.explained_by ||
+         std::ranges::find(test.indistinguishable, *test.explained_by) != test.indistinguishable.end();
+}
+
+bool is_beyond_doubt(const SystematicTest& test) {
+  return test.p_value < kTakenUpBelow && test.significant && stands(test);
+}
+
 bool can_be_taken_up(const std::vector<SystematicTest>& tests, const SystematicTest& test,
                      const InstrumentOptions& options) {
   if (test.kind == SystematicKind::kShift && !is_placed_by_control(tests)) return false;
-  const bool stands = !test.explained_by ||
-                      std::ranges::find(test.indistinguishable, *test.explained_by) != test.indistinguishable.end();
-  return is_of_instrument(test) && test.determined && test.p_value < kTakenUpBelow && test.significant && stands &&
-         !is_given(test, options);
+  return is_of_instrument(test) && test.determined && is_beyond_doubt(test) && !is_given(test, options);
 }
 
 }  // namespace
@@ -58,6 +68,21 @@ InstrumentOptions taken_up(const std::vector<SystematicTest>& tests, const Instr
   if (first->kind == SystematicKind::kShift)
     options.position_shift = first->strip ? PositionShift::kStrips : PositionShift::kBlock;
   return options;
+}
+
+std::optional<std::size_t> deformation_taken_up(const std::vector<SystematicTest>& tests,
+                                                const std::set<CameraId>& cameras) {
+  const auto can_be = [&](const SystematicTest& test) {
+    return is_deformation(test) && test.determined && test.camera && cameras.contains(*test.camera) &&
+           is_beyond_doubt(test) && test.ground_change_sigmas >= 1;
+  };
+  std::optional<std::size_t> first;
+  for (std::size_t i = 0; i < tests.size(); ++i)
+    if (can_be(tests[i]) && (!first || is_stronger(tests[i], tests[*first]))) first = i;
+  if (!first) return first;
+  for (const std::size_t other : tests[*first].indistinguishable)
+    if (can_be(tests[other]) && tests[other].values.size() < tests[*first].values.size()) first = other;
+  return first;
 }
 
 }  // namespace collinea

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <vector>
 
@@ -77,11 +78,12 @@ struct SystematicTest {
   int degrees = 0;                                  ///< its degrees of freedom: parameters that are determined
   double p_value = 1;                               ///< chance of a statistic as large by accident
   double p_corrected = 1;                           ///< the same, for the number of hypotheses (Holm 1979)
-  double largest_effect = 0;                        ///< on what is observed
+  double largest_effect = 0;                        ///< on what is observed; of a deformation of images: on residuals,
+                                                    ///< when all unknowns have followed
   std::string_view effect_unit;     ///< "m" at positions and control, "px" in images, "rad" of attitudes
   double ground_change_m = 0;       ///< by how much the points would move, at most, if it were estimated
   double ground_change_sigmas = 0;  ///< the same in standard deviations of the position of that point
-  bool determined = false;          ///< all parameters are
+  bool determined = false;          ///< all parameters are, additional ones instead of those of the camera they span
   bool significant = false;         ///< p_corrected is below the level
   /// Test with the strongest evidence that leaves nothing significant of this one: this is probably its shadow. Nothing
   /// when it stands for itself.
@@ -97,6 +99,12 @@ inline constexpr double kTakenUpBelow = 1e-6;
 /// told from it that with the fewest parameters. One at a time, since the next adjustment judges the others anew: call
 /// until nothing changes. `current` where there is none.
 [[nodiscard]] InstrumentOptions taken_up(const std::vector<SystematicTest>& tests, const InstrumentOptions& current);
+
+/// The most significant deformation of images, an affinity or additional parameters, of one of these cameras, that is
+/// determined, beyond doubt (as above) and moves a point by a standard deviation or more; of those that cannot be told
+/// from it that with the fewest parameters. Its number among the tests; nothing where there is none.
+[[nodiscard]] std::optional<std::size_t> deformation_taken_up(const std::vector<SystematicTest>& tests,
+                                                              const std::set<CameraId>& cameras);
 
 /// Whether a test is of a stronger error than another one: what stands for itself comes before what is explained.
 [[nodiscard]] bool is_stronger(const SystematicTest& a, const SystematicTest& b);

@@ -42,6 +42,20 @@ void in_own_datum(const Problem& problem, const State& state, const std::vector<
   moves -= motions * motions.colPivHouseholderQr().solve(moves);
 }
 
+// What of the displacements of a ray by tests is left when all unknowns follow them: `reduced` by these, the point by
+// `move` (3 x tests).
+Eigen::MatrixXd left_of(const RayDerivatives& ray, const Problem& problem, const Eigen::MatrixXd& reduced,
+                        const Eigen::MatrixXd& move) {
+  const Eigen::Index pose = 6 * Eigen::Index(ray.image);
+  const Eigen::Index first =
+      6 * Eigen::Index(problem.poses) + problem.cameras[static_cast<std::size_t>(ray.camera)].first_global;
+  Eigen::MatrixXd left = ray.by_column + ray.by_point * move;
+  if (ray.image < problem.poses)
+    left += ray.by_rotation * reduced.middleRows<3>(pose) - ray.by_point * reduced.middleRows<3>(pose + 3);
+  if (ray.by_camera.cols() > 0) left += ray.by_camera * reduced.middleRows(first, ray.by_camera.cols());
+  return left;
+}
+
 }  // namespace
 
 // The largest displacement of a position, or rotation of an attitude.
@@ -71,9 +85,12 @@ void ScoreTests::measure_effects(TileCholesky& inverse, const Run& run) {
   Eigen::MatrixXd moves(3 * static_cast<Eigen::Index>(points.size()), count);
   Eigen::MatrixXd pixels = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(points.size()), count);
   Eigen::VectorXd sigmas_m(static_cast<Eigen::Index>(points.size()));
+  // A fault of a camera is for the most part another focal length or attitude; of others the whole is told.
+  std::vector<char> is_of_camera;
+  for (const SystematicTest& test : tests_) is_of_camera.push_back(columns_.camera_with_deformation(test) >= 0);
   parallel_for(run, points.size(), [&](std::size_t k) {
     const auto row = static_cast<Eigen::Index>(k);
-    std::vector<Eigen::MatrixXd> rays;
+    std::vector<RayDerivatives> rays;
     const Eigen::MatrixXd own = normals_.point_columns(points[k], &rays) * by_column;
     const PointSystem system(problem, columns_.state, points[k]);
     sigmas_m[row] = sigma0_ * std::sqrt(system.covariance(inverse).trace());
@@ -82,8 +99,13 @@ void ScoreTests::measure_effects(TileCholesky& inverse, const Run& run) {
       moves.block<3, 1>(3 * row, t) =
           retained >= 0 ? Eigen::Vector3d(reduced.block<3, 1>(6 * problem.poses + retained, t))
                         : Eigen::Vector3d(system.follow(reduced.col(t).data()) - system.solve_own(own.col(t)));
-    for (const Eigen::MatrixXd& ray : rays)
-      pixels.row(row) = pixels.row(row).cwiseMax((ray * by_column).colwise().norm());
+    for (RayDerivatives& ray : rays) {
+      ray.by_column = (ray.by_column * by_column).eval();
+      const Eigen::MatrixXd left = left_of(ray, problem, reduced, moves.middleRows<3>(3 * row));
+      for (Eigen::Index t = 0; t < count; ++t)
+        pixels(row, t) =
+            std::max(pixels(row, t), (is_of_camera[static_cast<std::size_t>(t)] ? left : ray.by_column).col(t).norm());
+    }
   });
   if (run.stopped()) return;
   in_own_datum(problem, columns_.state, points, moves);

@@ -361,7 +361,7 @@ void ScoreNormals::add_control_residuals() {
   });
 }
 
-Eigen::MatrixXd ScoreNormals::point_columns(std::size_t p, std::vector<Eigen::MatrixXd>* rays) const {
+Eigen::MatrixXd ScoreNormals::point_columns(std::size_t p, std::vector<RayDerivatives>* rays) const {
   const ProblemPoint& point = problem_.point(p);
   const Loss loss = problem_.loss_of(point);
   Chunk chunk;
@@ -375,7 +375,13 @@ Eigen::MatrixXd ScoreNormals::point_columns(std::size_t p, std::vector<Eigen::Ma
     RowMajorMatrix its = RowMajorMatrix::Zero(2, columns_.count());
     for (int axis = 0; axis < 2; ++axis)
       ray.add_to(its.row(axis).data() + first_, axis == 0 ? 1 : 0, axis == 0 ? 0 : 1);
-    rays->push_back(its / ray.linear.root_weight);
+    const double weight = ray.linear.root_weight;
+    using TwoRows = Eigen::Matrix<double, 2, 3, Eigen::RowMajor>;
+    const auto image = static_cast<int>(problem_.rays[r].image);
+    rays->push_back({image, problem_.images[static_cast<std::size_t>(image)].camera, its / weight,
+                     Eigen::Map<const RowMajorMatrix>(ray.by_camera, 2, ray.camera_unknowns) / weight,
+                     Eigen::Map<const TwoRows>(ray.linear.by_rotation) / weight,
+                     Eigen::Map<const TwoRows>(ray.linear.by_point) / weight});
   }
   PointNormals normals;
   chunk.gram.setZero(width_, width_);

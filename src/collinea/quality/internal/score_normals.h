@@ -14,6 +14,14 @@ namespace collinea::bundle {
 
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+/// Derivatives of an image point [px] by the columns of hypotheses (2 x columns) and by the unknowns of the adjustment.
+struct RayDerivatives {
+  int image = 0, camera = 0;  ///< index in Problem::images, Problem::cameras
+  Eigen::MatrixXd by_column;
+  Eigen::MatrixXd by_camera;  ///< by ProblemCamera::free
+  Eigen::Matrix<double, 2, 3> by_rotation, by_point;
+};
+
 /// The normal equations of all hypotheses beside those of the adjustment. With the columns H of all hypotheses and the
 /// residuals v, the last of them, together M = (H v):
 ///
@@ -36,8 +44,8 @@ class ScoreNormals {
   [[nodiscard]] const Eigen::MatrixXd& of_others() const { return of_others_; }
   /// (A' P A)^-1 A' P M in the reduced unknowns.
   [[nodiscard]] const Eigen::MatrixXd& solution() const { return solution_; }
-  /// A' P M of one point in its own unknowns, 3 x columns; and derivatives of its rays [px], in 2 x columns each.
-  [[nodiscard]] Eigen::MatrixXd point_columns(std::size_t point, std::vector<Eigen::MatrixXd>* rays = nullptr) const;
+  /// A' P M of one point in its own unknowns, 3 x columns; and its rays.
+  [[nodiscard]] Eigen::MatrixXd point_columns(std::size_t point, std::vector<RayDerivatives>* rays = nullptr) const;
 
  private:
   struct Chunk;

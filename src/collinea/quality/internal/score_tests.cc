@@ -114,7 +114,7 @@ ScoreTests::Fit ScoreTests::fit(const Hypothesis& hypothesis, SystematicTest& te
   test.statistic = scores.statistic;
   test.degrees = scores.degrees;
   test.p_value = scores.p_value;
-  test.determined = lost == 0;
+  test.determined = lost <= columns_.replaced_parameters(test);
   const Eigen::MatrixXd covariance = parameters * variance(fit, fit.basis) * parameters.transpose();
   for (Eigen::Index k = 0; k < n.rows(); ++k) {
     const bool is_known = unit[k] > 0 && eigen.eigenvectors().row(k).head(lost).squaredNorm() < kUndeterminedShare;

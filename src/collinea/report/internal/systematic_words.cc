@@ -79,6 +79,10 @@ std::string chance_words(double chance) {
 }
 
 std::string displaced(const Finding& finding) {
+  const Aspect aspect = finding.subjects[0].aspect;
+  if (const auto px = finding.figure(F::kOffsetPx);
+      px && (aspect == Aspect::kAffinity || aspect == Aspect::kAdditional))
+    return fmt::format("residuals of image points by up to {:.2f} px", *px);
   if (const auto px = finding.figure(F::kOffsetPx)) return fmt::format("image points by up to {:.2f} px", *px);
   if (const auto deg = finding.figure(F::kDifferenceAngle))
     return fmt::format("attitudes by up to {:.3f} degrees", *deg);
@@ -97,7 +101,7 @@ std::string systematic_words(const Finding& finding, const Block& block) {
     text +=
         fmt::format(": {} {} (sigma {})", listed(values, kind.format), kind.unit,
                     listed(sigmas, kind.format[3] == '.' ? (std::string("{:") + (kind.format + 3)).c_str() : "{:.3f}"));
-  text += fmt::format(". By accident they do so {}. It displaces {}; to estimate it moves points by up to {:.3f} m.",
+  text += fmt::format(". By accident they do so {}. It changes {}; to estimate it moves points by up to {:.3f} m.",
                       chance_words(finding.figure(F::kChance).value_or(kNaN)), displaced(finding),
                       finding.figure(F::kDifference).value_or(kNaN));
   std::string others;
