@@ -17,7 +17,7 @@
 
 #include "collinea/base/parallel.h"
 #include "collinea/math/fisher.h"
-#include "collinea/quality/internal/test_flight.h"
+#include "collinea/quality/test_flight.h"
 
 namespace collinea {
 namespace {

@@ -58,11 +58,4 @@ CameraSigmas calibration_sigmas(Calibration calibration, const Camera& first) {
   return sigmas;
 }
 
-std::vector<int> spanned_by(AdditionalSet set) {
-  using C = Camera;
-  if (set == AdditionalSet::kNone || set == AdditionalSet::kFourier) return {};
-  if (set == AdditionalSet::kEbner) return {C::kB1, C::kB2, C::kP1, C::kP2};
-  return {C::kB1, C::kB2, C::kP1, C::kP2, C::kK1};
-}
-
 }  // namespace collinea

@@ -31,24 +31,31 @@ double beta_fraction(double a, double b, double x) {
   return value;
 }
 
+// A chance, as the exponential of `log` times `factor`: what is too small for a number keeps its logarithm.
+struct Chance {
+  double log = 0, factor = 1;
+
+  [[nodiscard]] double value() const { return std::exp(log) * factor; }
+  [[nodiscard]] double logarithm() const { return log + std::log(factor); }
+};
+
 // The regularised incomplete beta function I_x(a, b).
-double incomplete_beta(double a, double b, double x) {
-  if (!(x > 0)) return 0;
-  if (!(x < 1)) return 1;
-  const double front =
-      std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * std::log(x) + b * std::log1p(-x));
-  if (x < (a + 1) / (a + b + 2)) return front * beta_fraction(a, b, x) / a;
-  return 1 - front * beta_fraction(b, a, 1 - x) / b;
+Chance incomplete_beta(double a, double b, double x) {
+  if (!(x > 0)) return {0, 0};
+  if (!(x < 1)) return {};
+  const double front = std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * std::log(x) + b * std::log1p(-x);
+  if (x < (a + 1) / (a + b + 2)) return {front, beta_fraction(a, b, x) / a};
+  return {0, 1 - std::exp(front) * beta_fraction(b, a, 1 - x) / b};
 }
 
 // Upper tail of the chi-squared distribution: the regularised incomplete gamma function Q(m/2, value/2).
-double chi_squared_tail(double value, double m) {
+Chance chi_squared_tail(double value, double m) {
   const double a = m / 2, x = value / 2;
-  const double front = std::exp(a * std::log(x) - x - std::lgamma(a));
+  const double front = a * std::log(x) - x - std::lgamma(a);
   if (x < a + 1) {  // series of P
     double term = 1 / a, sum = term;
     for (int n = 1; n < kMostTerms && term > kSmallest * sum; ++n) sum += term *= x / (a + n);
-    return 1 - front * sum;
+    return {0, 1 - std::exp(front) * sum};
   }
   double b = x + 1 - a, c = 1 / kTiny, d = 1 / b, fraction = d;
   for (int n = 1; n < kMostTerms; ++n) {
@@ -59,16 +66,20 @@ double chi_squared_tail(double value, double m) {
     fraction *= d * c;
     if (std::abs(d * c - 1) < kSmallest) break;
   }
-  return front * fraction;
+  return {front, fraction};
+}
+
+Chance tail(double value, double m, double r) {
+  COLLINEA_CHECK(m > 0 && r > 0);
+  if (!(value > 0)) return {0, std::isnan(value) ? value : 1};
+  if (std::isinf(r)) return chi_squared_tail(m * value, m);
+  return incomplete_beta(r / 2, m / 2, r / (r + m * value));
 }
 
 }  // namespace
 
-double fisher_tail(double value, double m, double r) {
-  COLLINEA_CHECK(m > 0 && r > 0);
-  if (!(value > 0)) return std::isnan(value) ? value : 1;
-  if (std::isinf(r)) return chi_squared_tail(m * value, m);
-  return incomplete_beta(r / 2, m / 2, r / (r + m * value));
-}
+double fisher_tail(double value, double m, double r) { return tail(value, m, r).value(); }
+
+double log_fisher_tail(double value, double m, double r) { return tail(value, m, r).logarithm(); }
 
 }  // namespace collinea

@@ -15,6 +15,13 @@ namespace {
 constexpr double kWeak = 0.005;  // of the focal length
 constexpr int kGrid = 20;
 
+std::vector<int> spanned_by(AdditionalSet set) {
+  using C = Camera;
+  if (set == AdditionalSet::kNone || set == AdditionalSet::kFourier) return {};
+  if (set == AdditionalSet::kEbner) return {C::kB1, C::kB2, C::kP1, C::kP2};
+  return {C::kB1, C::kB2, C::kP1, C::kP2, C::kK1};
+}
+
 // Estimates and cofactors of some unknowns, from which unknowns can be taken as if they were zero.
 struct Estimate {
   std::vector<int> params;

@@ -41,10 +41,6 @@ struct AdditionalTest {
   double dropped_f = 0, dropped_chance = 1;
 };
 
-/// Limit of a multiple correlation beyond which the value of a parameter says nothing by itself: its standard deviation
-/// is then seven times what it would be alone.
-inline constexpr double kInseparable = 0.99;
-
 /// For every camera with free additional parameters that has a covariance. `level`: chance that a parameter that is
 /// zero is called significant.
 [[nodiscard]] std::vector<AdditionalTest> test_additional(const Block& block, const Examined& adjusted,

@@ -29,6 +29,16 @@ TEST(Fisher, TailsAreThoseOfTheTables) {
   EXPECT_TRUE(std::isnan(fisher_tail(NAN, 3, 10)));
 }
 
+// Two degrees of freedom have tails in closed form.
+TEST(Fisher, LogarithmsOfTailsGoOnWhereTheseAreTooSmall) {
+  for (const double value : {0.5, 3.0, 400.0, 5000.0}) {
+    EXPECT_NEAR(log_fisher_tail(value, 2, INFINITY), -value, 1e-9 * value);
+    EXPECT_NEAR(log_fisher_tail(value, 2, 500), -250 * std::log1p(value / 250), 1e-8 * value);
+  }
+  EXPECT_NEAR(log_fisher_tail(6.55232, 3, 10), std::log(0.01), 1e-4);
+  EXPECT_EQ(log_fisher_tail(0, 3, 10), 0);
+}
+
 // As flown with film: no lens distortion, camera known, control well spread.
 Block film_block(AdditionalSet set, const std::vector<std::pair<int, double>>& values_px, double sigma_px,
                  std::uint64_t seed) {

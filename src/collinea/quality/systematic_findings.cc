@@ -49,10 +49,13 @@ Subject subject_of(const SystematicTest& test) {
   return subject;
 }
 
-// The option that takes it up, or what else to do. Only a camera that is calibrated gets more parameters.
+// The option that takes it up, or what else to do. Only a camera that is calibrated gets more parameters, and only
+// those that the block determines.
 std::vector<Remedy> remedies_of(const SystematicTest& test, const Block& block) {
   const auto camera = test.camera ? block.cameras.find(*test.camera) : block.cameras.end();
   const bool is_calibrated = camera != block.cameras.end() && camera->second.prior.calibrate;
+  const std::vector<Remedy> more_images = {RemedyCode::kRotateImages, RemedyCode::kCalibrateCamera};
+  const bool is_separable = test.multiple_correlation < kInseparable;
   switch (test.kind) {
     case SystematicKind::kTimeOffset:
       return {OptionName{"time_offset", ""}};
@@ -72,9 +75,11 @@ std::vector<Remedy> remedies_of(const SystematicTest& test, const Block& block) 
       return {RemedyCode::kCalibrateCamera, RemedyCode::kAddHeightsOrOblique};
     case SystematicKind::kAffinity:
       if (!is_calibrated) return {RemedyCode::kCalibrateCamera};
+      if (!is_separable) return more_images;
       return {OptionName{"calibration", "orient", "brown_affinity"}};
     case SystematicKind::kAdditional:
       if (!is_calibrated) return {RemedyCode::kCalibrateCamera};
+      if (!is_separable) return more_images;
       return {OptionName{"additional", "orient", std::string(word_of(test.additional))}};
     case SystematicKind::kRollingShutter:
       return {RemedyCode::kHoldStill};

@@ -73,8 +73,8 @@ InstrumentOptions taken_up(const std::vector<SystematicTest>& tests, const Instr
 std::optional<std::size_t> deformation_taken_up(const std::vector<SystematicTest>& tests,
                                                 const std::set<CameraId>& cameras) {
   const auto can_be = [&](const SystematicTest& test) {
-    return is_deformation(test) && test.determined && test.camera && cameras.contains(*test.camera) &&
-           is_beyond_doubt(test) && test.ground_change_sigmas >= 1;
+    return is_deformation(test) && test.multiple_correlation < kInseparable && test.camera &&
+           cameras.contains(*test.camera) && is_beyond_doubt(test) && test.ground_change_sigmas >= 1;
   };
   std::optional<std::size_t> first;
   for (std::size_t i = 0; i < tests.size(); ++i)

@@ -83,8 +83,10 @@ struct SystematicTest {
   std::string_view effect_unit;     ///< "m" at positions and control, "px" in images, "rad" of attitudes
   double ground_change_m = 0;       ///< by how much the points would move, at most, if it were estimated
   double ground_change_sigmas = 0;  ///< the same in standard deviations of the position of that point
-  bool determined = false;          ///< all parameters are, additional ones instead of those of the camera they span
-  bool significant = false;         ///< p_corrected is below the level
+  bool determined = false;          ///< all parameters are
+  /// The largest of a parameter with all unknowns of the adjustment and the other parameters; see kInseparable.
+  double multiple_correlation = 1;
+  bool significant = false;  ///< p_corrected is below the level
   /// Test with the strongest evidence that leaves nothing significant of this one: this is probably its shadow. Nothing
   /// when it stands for itself.
   std::optional<std::size_t> explained_by;
@@ -94,15 +96,21 @@ struct SystematicTest {
 /// How large p_value may be at most for an error to be taken up without being asked for.
 inline constexpr double kTakenUpBelow = 1e-6;
 
+/// Limit of a (multiple) correlation beyond which the value of a parameter says nothing by itself: its standard
+/// deviation is then seven times what it would be alone.
+inline constexpr double kInseparable = 0.99;
+
 /// The options with the most significant error of an instrument among the tests also estimated: a time offset, a lever
 /// arm or a shift that is determined, below kTakenUpBelow and not explained by another test; of those that cannot be
 /// told from it that with the fewest parameters. One at a time, since the next adjustment judges the others anew: call
 /// until nothing changes. `current` where there is none.
 [[nodiscard]] InstrumentOptions taken_up(const std::vector<SystematicTest>& tests, const InstrumentOptions& current);
 
-/// The most significant deformation of images, an affinity or additional parameters, of one of these cameras, that is
-/// determined, beyond doubt (as above) and moves a point by a standard deviation or more; of those that cannot be told
-/// from it that with the fewest parameters. Its number among the tests; nothing where there is none.
+/// The most significant deformation of the images of one of these cameras, an affinity or additional parameters, that
+/// is beyond doubt (as above) and moves a point by a standard deviation or more; of those that cannot be told from it
+/// that with the fewest parameters. Each parameter has to be separable (kInseparable) from all else: what a camera
+/// shares with the shape of the block would bend it by all that no model has. Its number among the tests; nothing where
+/// there is none.
 [[nodiscard]] std::optional<std::size_t> deformation_taken_up(const std::vector<SystematicTest>& tests,
                                                               const std::set<CameraId>& cameras);
 

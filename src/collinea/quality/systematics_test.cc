@@ -9,7 +9,7 @@
 
 #include "collinea/geodesy/refraction.h"
 #include "collinea/quality/additional_choice.h"
-#include "collinea/quality/internal/test_flight.h"
+#include "collinea/quality/test_flight.h"
 
 namespace collinea {
 namespace {

@@ -2,11 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <array>
 #include <vector>
 
-#include "collinea/adjust/calibration.h"
 #include "collinea/adjust/solved.h"
 #include "collinea/quality/internal/pixel_functions.h"
 #include "collinea/quality/systematics.h"
@@ -64,14 +62,6 @@ struct HypothesisColumns {
     for (const CameraColumns& its : cameras)
       if (problem.cameras[static_cast<std::size_t>(its.camera)].id == test.camera) return its.camera;
     return -1;
-  }
-  /// How many free parameters of a camera the additional ones of a test span, which would be fixed in their place.
-  [[nodiscard]] Eigen::Index replaced_parameters(const SystematicTest& test) const {
-    const int camera = test.kind == SystematicKind::kAdditional ? camera_with_deformation(test) : -1;
-    if (camera < 0) return 0;
-    const std::vector<int>& free = problem.cameras[static_cast<std::size_t>(camera)].free;
-    return std::ranges::count_if(spanned_by(test.additional),
-                                 [&](int param) { return std::ranges::find(free, param) != free.end(); });
   }
   /// Relative height of the bowl at a position of the world.
   [[nodiscard]] double bowl_at(const Eigen::Vector3d& position) const {

@@ -7,12 +7,11 @@
 
 #include "collinea/quality/conditioning.h"
 #include "collinea/quality/internal/covariance.h"
+#include "collinea/quality/systematics.h"
 
 namespace collinea {
 namespace bundle {
 namespace {
-
-constexpr double kInseparable = 0.99;  // correlation: the sigma of each is seven times what it were without the other
 
 bool is_along_axis(const AuxiliaryUnknown& auxiliary) {
   return auxiliary.kind == UnknownKind::kLeverArm && auxiliary.axis == 2;

@@ -23,13 +23,6 @@ constexpr double kAlike = 0.95;              // correlation
 constexpr double kNearOne = 0.3;             // of an assignment, or four sigmas
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Wilson and Hilferty (1931): chi-squared as a normal variable.
-double strength_of(double statistic, int degrees) {
-  if (degrees == 0) return -kInfinity;
-  const double spread = 2.0 / (9.0 * degrees);
-  return (std::cbrt(statistic / degrees) - 1 + spread) / std::sqrt(spread);
-}
-
 }  // namespace
 
 ScoreTests::ScoreTests(const Solved& solved, const SystematicOptions& options, const TileCholesky& factor,
@@ -62,7 +55,7 @@ ScoreTests::Scores ScoreTests::score(const Fit& fit, const Eigen::MatrixXd& basi
   const Eigen::VectorXd c = basis.transpose() * normals_.gram().col(columns_.residual());
   scores.statistic = c.dot(variance(fit, basis).ldlt().solve(c));
   scores.p_value = fisher_tail(scores.statistic / scores.degrees, scores.degrees, fit.freedom);
-  scores.strength = strength_of(scores.statistic, scores.degrees);
+  scores.strength = -log_fisher_tail(scores.statistic / scores.degrees, scores.degrees, fit.freedom);
   return scores;
 }
 
@@ -114,7 +107,11 @@ ScoreTests::Fit ScoreTests::fit(const Hypothesis& hypothesis, SystematicTest& te
   test.statistic = scores.statistic;
   test.degrees = scores.degrees;
   test.p_value = scores.p_value;
-  test.determined = lost <= columns_.replaced_parameters(test);
+  test.determined = lost == 0;
+  if (test.determined) {
+    const Eigen::VectorXd shares = parameters.rowwise().squaredNorm().cwiseQuotient(unit.cwiseAbs2()).cwiseInverse();
+    test.multiple_correlation = std::sqrt(std::clamp(1 - shares.minCoeff(), 0.0, 1.0));
+  }
   const Eigen::MatrixXd covariance = parameters * variance(fit, fit.basis) * parameters.transpose();
   for (Eigen::Index k = 0; k < n.rows(); ++k) {
     const bool is_known = unit[k] > 0 && eigen.eigenvectors().row(k).head(lost).squaredNorm() < kUndeterminedShare;

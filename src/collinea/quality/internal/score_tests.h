@@ -38,7 +38,7 @@ class ScoreTests {
     Eigen::VectorXd value;  ///< parameters
     Eigen::VectorXd by_column;
     double image_variance = 1, position_variance = 1, freedom = 0;
-    double strength = 0;  ///< about normal: orders tests whose p_value is too small for a number
+    double strength = 0;  ///< minus the logarithm of p_value, which may be too small for a number
   };
   struct Scores {
     double statistic = 0, p_value = 1, strength = 0;
