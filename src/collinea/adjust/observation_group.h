@@ -30,6 +30,7 @@ enum class ObservationGroup {
   kAtHeight,
   kOnPlane,
   kOnLine,
+  kAzimuth,
   kAttitudeLevel,
   kAttitudeHeading,
 };
@@ -70,6 +71,7 @@ inline constexpr std::array<ObservationGroupTraits, kObservationGroups> kObserva
     {ObservationGroup::kAtHeight, "at_height", ObservationSource::kGeodetic},
     {ObservationGroup::kOnPlane, "on_plane", ObservationSource::kGeodetic},
     {ObservationGroup::kOnLine, "on_line", ObservationSource::kGeodetic},
+    {ObservationGroup::kAzimuth, "azimuth", ObservationSource::kGeodetic, 0, 1, true},
     {ObservationGroup::kAttitudeLevel, "attitude_level", ObservationSource::kAttitude, 0, 2, true},
     {ObservationGroup::kAttitudeHeading, "attitude_heading", ObservationSource::kAttitude, 2, 1, true},
 }};

@@ -19,10 +19,11 @@ enum class GeodeticKind : std::uint8_t {
   kAtHeight,          ///< `from` above the height that the points of a group have in common [m]
   kOnPlane,           ///< `from` off the plane of a group [m]
   kOnLine,            ///< `from` off the line of a group, across it on one of two axes [m]
+  kAzimuth,           ///< from `from` to `to`, clockwise from the y axis of the world [rad]
 };
-inline constexpr std::size_t kGeodeticKinds = 7;
+inline constexpr std::size_t kGeodeticKinds = 8;
 inline constexpr std::array<const char*, kGeodeticKinds> kGeodeticKindNames = {
-    "distance", "height difference", "direction", "zenith angle", "height", "plane", "line"};
+    "distance", "height difference", "direction", "zenith angle", "height", "plane", "line", "azimuth"};
 
 enum class ControlRole { kControl, kCheck };
 
@@ -42,8 +43,10 @@ struct GeodeticObservation {
   double instrument_height_m = 0, target_height_m = 0;  ///< above the marks
   int axis = 0;  ///< of kOnLine: 0 sideways (east off a plumb line), 1 upwards (north off a plumb line)
 
-  [[nodiscard]] bool is_angle() const { return kind == GeodeticKind::kDirection || kind == GeodeticKind::kZenithAngle; }
-  [[nodiscard]] bool is_of_shape() const { return kind >= GeodeticKind::kAtHeight; }
+  [[nodiscard]] bool is_angle() const {
+    return kind == GeodeticKind::kDirection || kind == GeodeticKind::kZenithAngle || kind == GeodeticKind::kAzimuth;
+  }
+  [[nodiscard]] bool is_of_shape() const { return kind >= GeodeticKind::kAtHeight && kind <= GeodeticKind::kOnLine; }
 };
 
 }  // namespace collinea

@@ -38,7 +38,8 @@ constexpr std::string_view kHead = R"(collinea-adjustment 1
 #   control_in_map, check_in_map                 the same by easting, northing and height of the georeference's CRS
 #   ground KIND FROM TO VALUE SIGMA ROLE [SETUP INSTRUMENT_HEIGHT TARGET_HEIGHT]
 #                                                measured between control points; KIND: distance, height_difference [m],
-#                                                direction, zenith_angle [deg]; ROLE: control or check; heights [m]
+#                                                direction, zenith_angle, azimuth [deg]; ROLE: control or check;
+#                                                heights [m]
 #   lies_on SHAPE NAME POINT SIGMA ROLE [AXIS]   SHAPE: plane, line, height; AXIS of a line: sideways, upwards, or both
 #   point NUMBER X Y Z                           tie point, approximately [m]
 #   measured_control IMAGE NAME COLUMN ROW SIGMA, measured_tie IMAGE NUMBER COLUMN ROW SIGMA

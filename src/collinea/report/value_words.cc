@@ -29,6 +29,7 @@ constexpr GroupWords kGroups[] = {
     {ObservationGroup::kAtHeight, "equal heights"},
     {ObservationGroup::kOnPlane, "planes"},
     {ObservationGroup::kOnLine, "lines"},
+    {ObservationGroup::kAzimuth, "azimuths"},
     {ObservationGroup::kAttitudeLevel, "attitudes, level"},
     {ObservationGroup::kAttitudeHeading, "attitudes, heading"},
 };

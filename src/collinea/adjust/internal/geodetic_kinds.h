@@ -67,6 +67,12 @@ struct ZenithAngle {
   static GeodeticModel model(const Sight& sight);
 };
 
+/// Azimuth of the line of sight, clockwise from north, the y axis of the world [rad].
+struct Azimuth {
+  static constexpr GeodeticKind kKind = GeodeticKind::kAzimuth;
+  static GeodeticModel model(const Sight& sight);
+};
+
 /// A point that lies on a shape, and what describes the shape against its frame.
 struct ShapePoint {
   const GeodeticObservation& observation;
@@ -115,7 +121,7 @@ struct OnLine {
 };
 
 /// The closed list: what is measured between two points, and the shapes that points lie on.
-using SightKinds = std::tuple<Distance, HeightDifference, Direction, ZenithAngle>;
+using SightKinds = std::tuple<Distance, HeightDifference, Direction, ZenithAngle, Azimuth>;
 using ShapeKinds = std::tuple<CommonHeight, OnPlane, OnLine>;
 static_assert(std::tuple_size_v<SightKinds> + std::tuple_size_v<ShapeKinds> == kGeodeticKinds);
 
