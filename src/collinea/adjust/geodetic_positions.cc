@@ -28,16 +28,19 @@ struct Sight {
 
 struct SetUp {
   ControlId station;
+  bool is_oriented = false;  ///< zero of its circle is north: azimuths
   std::vector<Sight> sights;
 };
 
 std::vector<SetUp> setups_of(const Block& block, const std::vector<std::uint32_t>& links) {
-  std::map<std::uint32_t, SetUp> setups;
+  std::map<std::pair<bool, std::uint32_t>, SetUp> setups;  // by the numbers of set-ups, azimuths by those of points
   for (const std::uint32_t link : links) {
     const GeodeticObservation& one = block.geodetic[link];
-    if (one.kind != GeodeticKind::kDirection) continue;
-    SetUp& setup = setups[one.setup];
+    const bool is_azimuth = one.kind == GeodeticKind::kAzimuth;
+    if (one.kind != GeodeticKind::kDirection && !is_azimuth) continue;
+    SetUp& setup = setups[{is_azimuth, is_azimuth ? one.from.value : one.setup}];
     setup.station = one.from;
+    setup.is_oriented = is_azimuth;
     setup.sights.push_back({one.to, one.value, {}, {}, one.instrument_height_m, one.target_height_m});
   }
   std::vector<SetUp> all;
@@ -84,8 +87,20 @@ class PositionFinder {
     return its == positions_.end() ? nullptr : &its->second;
   }
 
+  // One point is enough where north is known.
+  bool locate_oriented(const SetUp& setup) {
+    for (const Sight& sight : setup.sights)
+      if (const Eigen::Vector3d* position = position_of(sight.target); position && sight.polar()) {
+        const Eigen::Vector3d station = *position - sight.line(0);
+        positions_[setup.station] = station;
+        return true;
+      }
+    return false;
+  }
+
   // Its orientation and position: a rotation about the plumb line and a shift.
   bool locate_station(const SetUp& setup) {
+    if (setup.is_oriented) return locate_oriented(setup);
     std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> pairs;  // as seen from there, in the world
     Eigen::Vector3d middle = Eigen::Vector3d::Zero(), middle_there = middle;
     for (const Sight& sight : setup.sights)
@@ -110,6 +125,7 @@ class PositionFinder {
 
   // Where its circle's zero points to, by the middle of what the points there are say.
   [[nodiscard]] std::optional<double> orientation_of(const SetUp& setup) const {
+    if (setup.is_oriented) return 0;
     const Eigen::Vector3d station = *position_of(setup.station);
     double sine = 0, cosine = 0;
     for (const Sight& sight : setup.sights)

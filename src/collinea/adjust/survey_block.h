@@ -26,7 +26,7 @@ inline void measure_geodetic(const Block& exact, Block& block, const std::vector
     if (kind == GeodeticKind::kAtHeight) one.setup = 2;
     const double computed = kind == GeodeticKind::kAtHeight
                                 ? position(from).z() - 3
-                                : geodetic_model(one, position(from), position(to), 0.3, false).computed;
+                                : geodetic_model(one, position(from), position(to), 0.3, {}).computed;
     one.value = computed + one.sigma * random.normal();
     block.geodetic.push_back(one);
   };

@@ -19,7 +19,7 @@ enum class GeodeticKind : std::uint8_t {
   kAtHeight,          ///< `from` above the height that the points of a group have in common [m]
   kOnPlane,           ///< `from` off the plane of a group [m]
   kOnLine,            ///< `from` off the line of a group, across it on one of two axes [m]
-  kAzimuth,           ///< from `from` to `to`, clockwise from the y axis of the world [rad]
+  kAzimuth,           ///< at `from`, clockwise from geodetic north; without a location on Earth from the y axis [rad]
 };
 inline constexpr std::size_t kGeodeticKinds = 8;
 inline constexpr std::array<const char*, kGeodeticKinds> kGeodeticKindNames = {

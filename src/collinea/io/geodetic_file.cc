@@ -46,7 +46,10 @@ const std::vector<Measured>& all_measured() {
        {{"sigma_direction_arcsec", kArcsecond}, {"sigma_direction_mgon", kMilligon}}},
       {GeodeticKind::kZenithAngle,
        {{"zenith_deg", kDegree}, {"zenith_gon", kGon}},
-       {{"sigma_zenith_arcsec", kArcsecond}, {"sigma_zenith_mgon", kMilligon}}}};
+       {{"sigma_zenith_arcsec", kArcsecond}, {"sigma_zenith_mgon", kMilligon}}},
+      {GeodeticKind::kAzimuth,
+       {{"azimuth_deg", kDegree}, {"azimuth_gon", kGon}},
+       {{"sigma_azimuth_arcsec", kArcsecond}, {"sigma_azimuth_mgon", kMilligon}}}};
   return all;
 }
 
@@ -87,8 +90,8 @@ class Reader {
       }
     if (!measures && !shapes)
       return table_.bad_row(
-          "no column holds a measurement: distance_m, height_difference_m, direction_deg, zenith_deg, plane, line, "
-          "level");
+          "no column holds a measurement: distance_m, height_difference_m, direction_deg, zenith_deg, azimuth_deg, "
+          "plane, line, level");
     if (measures && !table_.has("to")) return table_.bad_row("the first row must name a column to");
     return {};
   }
@@ -160,8 +163,10 @@ class Reader {
     const std::string between = row.from + " - " + row.to;
     if (row.kind == GeodeticKind::kDistance && !(row.value > 0))
       return table_.bad_row("the distance " + between + " is not above 0");
-    if (row.kind == GeodeticKind::kDirection && std::abs(row.value) > 2 * std::numbers::pi * (1 + 1e-12))
-      return table_.bad_row("the direction " + between + " is beyond a full circle of 360 degrees, 400 gon");
+    if ((row.kind == GeodeticKind::kDirection || row.kind == GeodeticKind::kAzimuth) &&
+        std::abs(row.value) > 2 * std::numbers::pi * (1 + 1e-12))
+      return table_.bad_row("the " + std::string(kGeodeticKindNames[static_cast<std::size_t>(row.kind)]) + " " +
+                            between + " is beyond a full circle of 360 degrees, 400 gon");
     if (row.kind == GeodeticKind::kZenithAngle && !(row.value > 0 && row.value < std::numbers::pi))
       return table_.bad_row("the zenith angle " + between +
                             " is not between 0 (up) and 180 degrees, 200 gon (down); of the second face subtract it "

@@ -29,8 +29,10 @@ struct GeodeticFileRow {
 ///                                                 nothing is measured between two
 ///     distance_m, height_difference_m             measured; empty where not
 ///     direction_deg or _gon, zenith_deg or _gon   of a total station standing on `from`; zenith from 0, up, to 180
-///     sigma_m                                     of distance, height difference or shapes, in rows with one of them
-///     sigma_distance_m, sigma_height_difference_m, sigma_direction_arcsec or _mgon, sigma_zenith_arcsec or _mgon
+///     azimuth_deg or _gon                         clockwise from geodetic north (without a location on Earth: the y
+///     axis) sigma_m                                     of distance, height difference or shapes, in rows with one of
+///     them sigma_distance_m, sigma_height_difference_m, sigma_direction_arcsec or _mgon, sigma_zenith_arcsec or _mgon,
+///     sigma_azimuth_arcsec or _mgon
 ///     plane, line, level                          names of a plane, a straight line, a common height on which `from`
 ///                                                 lies; sigma_plane_m, sigma_line_m (on each of two axes across it),
 ///                                                 sigma_level_m, or sigma_m

@@ -48,6 +48,19 @@ TEST(GeodeticFile, ATotalStationMeasuresThreeThingsARow) {
   EXPECT_EQ((*rows)[3].setup, "1");
 }
 
+TEST(GeodeticFile, AnAzimuthNeedsNoSetUp) {
+  const auto rows = parse_geodetic("from,to,azimuth_gon,sigma_azimuth_mgon\nA,B,100,5\n");
+  ASSERT_TRUE(rows) << rows.error().message;
+  ASSERT_EQ(rows->size(), 1u);
+  EXPECT_EQ((*rows)[0].kind, GeodeticKind::kAzimuth);
+  EXPECT_NEAR((*rows)[0].value, std::numbers::pi / 2, 1e-15);
+  EXPECT_NEAR((*rows)[0].sigma, std::numbers::pi / 40000, 1e-15);
+  EXPECT_EQ(parse_geodetic("from,to,azimuth_deg,sigma_azimuth_arcsec\nA,B,361,5\n").error().message,
+            "line 2: the azimuth A - B is beyond a full circle of 360 degrees, 400 gon");
+  EXPECT_EQ(parse_geodetic("from,to,azimuth_deg\nA,B,36\n").error().message,
+            "line 1: column azimuth_deg needs a column sigma_azimuth_arcsec");
+}
+
 TEST(GeodeticFile, WhatIsWrongIsStatedWithItsLine) {
   const auto message = [](const char* text) {
     const auto rows = parse_geodetic(text);

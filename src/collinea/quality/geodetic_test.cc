@@ -36,16 +36,16 @@ TEST(GeodeticModel, DerivativesAreThoseOfDifferences) {
   for (int i = 0; i < 40; ++i) {
     const Eigen::Vector3d from = 300 * normal3(random), to = 300 * normal3(random);
     for (const GeodeticKind kind : {GeodeticKind::kDistance, GeodeticKind::kHeightDifference, GeodeticKind::kDirection,
-                                    GeodeticKind::kZenithAngle})
+                                    GeodeticKind::kZenithAngle, GeodeticKind::kAzimuth})
       for (const bool curved : {false, true}) {
         const GeodeticObservation one{.kind = kind, .instrument_height_m = 1.6, .target_height_m = 0.3};
-        const GeodeticModel model = geodetic_model(one, from, to, 0.4, curved);
+        const GeodeticModel model = geodetic_model(one, from, to, 0.4, {curved});
         constexpr double kStep_m = 1e-3;
         for (int c = 0; c < 3; ++c) {
           const Eigen::Vector3d step = kStep_m * Eigen::Vector3d::Unit(c);
           const auto slope = [&](const Eigen::Vector3d& df, const Eigen::Vector3d& dt) {
-            const double change = geodetic_model(one, from + df, to + dt, 0.4, curved).computed -
-                                  geodetic_model(one, from - df, to - dt, 0.4, curved).computed;
+            const double change = geodetic_model(one, from + df, to + dt, 0.4, {curved}).computed -
+                                  geodetic_model(one, from - df, to - dt, 0.4, {curved}).computed;
             return (one.is_angle() ? std::remainder(change, 2 * std::numbers::pi) : change) / (2 * kStep_m);
           };
           // What the derivatives leave out of a round Earth: 1e-6 times what they are where lines are not steep.
@@ -53,16 +53,29 @@ TEST(GeodeticModel, DerivativesAreThoseOfDifferences) {
           EXPECT_NEAR(slope(step, {0, 0, 0}), model.by_from[c], tolerance) << static_cast<int>(kind);
           EXPECT_NEAR(slope({0, 0, 0}, step), model.by_to[c], tolerance) << static_cast<int>(kind);
         }
-        const double rotated = geodetic_model(one, from, to, 0.4 + 1e-3, curved).computed - model.computed;
+        const double rotated = geodetic_model(one, from, to, 0.4 + 1e-3, {curved}).computed - model.computed;
         EXPECT_NEAR(rotated, 1e-3 * model.by_auxiliary[0], 1e-12);
       }
   }
 }
 
+// At 48 degrees of latitude the meridians of points a kilometre apart converge by 36 seconds of arc: the azimuth there
+// and that back differ by it. At the pole's own axis it would be a turn.
+TEST(GeodeticModel, MeridiansConverge) {
+  const double latitude = 48 * std::numbers::pi / 180;
+  const Earth earth{.is_round = true, .pole = {0, std::cos(latitude), std::sin(latitude)}};
+  const GeodeticObservation one{.kind = GeodeticKind::kAzimuth};
+  const Eigen::Vector3d here(0, 0, 0), there(1000, 0, 0);
+  EXPECT_NEAR(geodetic_model(one, here, there, 0, earth).computed, std::numbers::pi / 2, 1e-12);
+  const double convergence = 1000 / 6371000.0 * std::tan(latitude);
+  EXPECT_NEAR(geodetic_model(one, there, here, 0, earth).computed, -std::numbers::pi / 2 + convergence, 1e-8);
+  EXPECT_NEAR(geodetic_model(one, there, here, 0, {}).computed, -std::numbers::pi / 2, 1e-12);
+}
+
 TEST(GeodeticModel, TheEarthIsRound) {
   const GeodeticObservation levelled{.kind = GeodeticKind::kHeightDifference};
-  EXPECT_NEAR(geodetic_model(levelled, {0, 0, 0}, {1000, 0, 0}, 0, true).computed, 1e6 / (2 * 6371000.0), 1e-6);
-  EXPECT_EQ(geodetic_model(levelled, {0, 0, 0}, {1000, 0, 0}, 0, false).computed, 0);
+  EXPECT_NEAR(geodetic_model(levelled, {0, 0, 0}, {1000, 0, 0}, 0, {true}).computed, 1e6 / (2 * 6371000.0), 1e-6);
+  EXPECT_EQ(geodetic_model(levelled, {0, 0, 0}, {1000, 0, 0}, 0, {}).computed, 0);
 }
 
 TEST(Geodetic, OneDistanceGivesAFreeBlockItsScale) {
@@ -151,6 +164,46 @@ TEST(Geodetic, ErrorsOfDistancesAreAsLargeAsTheirSigmas) {
     const GeodeticDifference& check = adjusted->geodetic[2];
     squares +=
         std::pow(check.adjusted - (made.truth.at({2}) - made.truth.at({5})).norm(), 2) / (check.sigma * check.sigma);
+    for (int k = 0; k < 2; ++k)
+      residuals += std::pow(adjusted->geodetic[k].difference / adjusted->geodetic[k].difference_sigma, 2) / 2;
+  }
+  const double tolerance = 4 * std::sqrt(2.0 / kBlocks);
+  EXPECT_NEAR(squares / kBlocks, 1, tolerance);
+  EXPECT_NEAR(residuals / kBlocks, 1, tolerance);
+}
+
+// North is seen by azimuths alone, on a round Earth: its error over its sigma is a standard normal variable, of 100
+// blocks.
+TEST(Geodetic, ErrorsOfAzimuthsAreAsLargeAsTheirSigmas) {
+  double squares = 0, residuals = 0;
+  constexpr int kBlocks = 100;
+  constexpr double kSigma_rad = 1e-3, kLatitude = 48 * std::numbers::pi / 180;
+  const Earth earth{.is_round = true, .pole = {0, std::cos(kLatitude), std::sin(kLatitude)}};
+  for (int i = 0; i < kBlocks; ++i) {
+    const auto seed = static_cast<std::uint64_t>(i + 1);
+    Marked made = marked({.rows = 2, .columns = 3, .points = 60, .sigma_px = 0.5, .seed = seed});
+    made.block.georeference = Georeference{"EPSG:32633", 48, 15, 300};
+    Random random(seed, 9);
+    const auto measure = [&](GeodeticKind kind, std::uint32_t from, std::uint32_t to, double sigma) {
+      GeodeticObservation one{.kind = kind, .from = {from}, .to = {to}, .sigma = sigma};
+      one.value = geodetic_model(one, made.truth.at(one.from), made.truth.at(one.to), 0, earth).computed +
+                  sigma * random.normal();
+      made.block.geodetic.push_back(one);
+    };
+    for (const std::uint32_t to : {3u, 4u}) measure(GeodeticKind::kAzimuth, to - 3, to, kSigma_rad);
+    measure(GeodeticKind::kAzimuth, 2, 5, 1);
+    made.block.geodetic.back().role = ControlRole::kCheck;
+    measure(GeodeticKind::kDistance, 0, 3, 0.01);
+    for (const std::uint32_t to : {3u, 4u, 6u}) measure(GeodeticKind::kHeightDifference, to - 3, to, 0.005);
+    ExamineOptions options = tested(Calibration::kFocal);
+    options.test.sigma0_known = true;
+    const auto adjusted = examine(made.block, {}, options, kRun);
+    ASSERT_TRUE(adjusted && adjusted->geodetic.size() == 7) << i;
+    EXPECT_EQ(adjusted->rank_defect, 3);
+    const GeodeticDifference& check = adjusted->geodetic[2];
+    const double truth =
+        geodetic_model(made.block.geodetic[2], made.truth.at({2}), made.truth.at({5}), 0, earth).computed;
+    squares += std::pow(std::remainder(check.adjusted - truth, 2 * std::numbers::pi) / check.sigma, 2);
     for (int k = 0; k < 2; ++k)
       residuals += std::pow(adjusted->geodetic[k].difference / adjusted->geodetic[k].difference_sigma, 2) / 2;
   }

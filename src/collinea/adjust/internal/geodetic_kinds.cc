@@ -10,13 +10,13 @@ Eigen::Vector3d from_middle(const Eigen::Vector3d& point) { return {point.x(), p
 }  // namespace
 
 // Its change along the line of sight is below 1e-6 of the effect itself: the derivatives take it as constant.
-Eigen::Vector3d up_at(const Eigen::Vector3d& point, bool level_at_origin) {
-  return level_at_origin ? from_middle(point).normalized() : Eigen::Vector3d(Eigen::Vector3d::UnitZ());
+Eigen::Vector3d up_at(const Eigen::Vector3d& point, const Earth& earth) {
+  return earth.is_round ? from_middle(point).normalized() : Eigen::Vector3d(Eigen::Vector3d::UnitZ());
 }
 
 // |P| - R without the loss of digits of a difference of two large numbers.
-double height_of(const Eigen::Vector3d& point, bool level_at_origin) {
-  if (!level_at_origin) return point.z();
+double height_of(const Eigen::Vector3d& point, const Earth& earth) {
+  if (!earth.is_round) return point.z();
   const double radius = from_middle(point).norm();
   return (point.squaredNorm() + 2 * kEarthRadius_m * point.z()) / (radius + kEarthRadius_m);
 }

@@ -169,7 +169,7 @@ struct Problem {
   std::vector<GeodeticLink> geodetic;
   std::vector<GeodeticShape> shapes;
   std::size_t geodetic_left_out = 0;  ///< of Block::geodetic, because of points that take no part or determine no shape
-  bool level_at_origin = false;       ///< see geodetic_model()
+  Earth earth;                        ///< of geodetic observations
   std::vector<DatumConstraint> datum;
   std::vector<int> part_of_pose;   ///< images connected by points, as numbers of parts
   std::vector<int> part_of_point;  ///< those that no image shows are of the part they are measured from; -1: of none
