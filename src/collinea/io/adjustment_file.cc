@@ -36,6 +36,7 @@ constexpr std::string_view kHead = R"(collinea-adjustment 1
 #   check NAME X Y Z SX SY SZ                    surveyed point that is only compared [m]
 #   control_correlation NAME XY XZ YZ            of its coordinates
 #   control_in_map, check_in_map                 the same by easting, northing and height of the georeference's CRS
+#                                                a point that is only measured in images, two at least, needs no line
 #   ground KIND FROM TO VALUE SIGMA ROLE [SETUP INSTRUMENT_HEIGHT TARGET_HEIGHT]
 #                                                measured between control points; KIND: distance, height_difference [m],
 #                                                direction, zenith_angle, azimuth [deg]; ROLE: control or check;

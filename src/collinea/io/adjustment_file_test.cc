@@ -206,6 +206,27 @@ TEST(AdjustmentFile, RoundTripKeepsEverything) {
     EXPECT_EQ(back->block.points.at(id).position_in_world, point.position_in_world);
 }
 
+TEST(AdjustmentFile, APointMeasuredInTwoImagesNeedsNoLineOfItsOwn) {
+  const std::string text =
+      "collinea-adjustment 1\ncamera wide 4000 3000 brown\nparameter wide f 3000 fixed\nimage a wide\nimage b wide\n"
+      "ground distance T1 T2 1.5 0.001 control\n"
+      "measured_control a T1 10 20 0.5\nmeasured_control b T1 30 20 0.5\nmeasured_control a T2 10 90 0.5\n";
+  const auto file = parse_adjustment_file(text + "measured_control b T2 30 90 0.5\n");
+  ASSERT_TRUE(file) << file.error().message;
+  ASSERT_EQ(file->block.control.size(), 2u);
+  const ControlPoint& point = file->block.control.at(file->block.geodetic.at(0).to);
+  EXPECT_EQ(point.name, "T2");
+  EXPECT_TRUE(point.sigma_m.array().isInf().all());
+  const auto again = parse_adjustment_file(adjustment_file_text(*file));
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->block.control.size(), 2u);
+  const auto once = parse_adjustment_file(text);
+  ASSERT_FALSE(once);
+  EXPECT_TRUE(once.error().message.starts_with("line 9: there is no control or check point \"T2\""))
+      << once.error().message;
+  EXPECT_TRUE(once.error().message.ends_with("or measure it in a second image"));
+}
+
 TEST(AdjustmentFile, SaysInWhichLineWhatIsWrong) {
   const std::pair<const char*, const char*> cases[] = {
       {"measured_tie b 7 1 2 0.5\n", "line 16: point \"7\" is measured twice in \"b\", before in line 14"},

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -57,14 +58,33 @@ Result<Line> taken_apart(std::size_t number, std::string_view text) {
                             std::to_string(before));
 }
 
+// A point that is only measured in images, in two at least, needs no line of its own: it has no coordinates.
+void add_marked_points(Draft& draft) {
+  std::map<std::string, std::set<ImageId>> images;
+  for (const Measured& one : draft.measured)
+    if (!draft.control.contains(one.point)) images[one.point].insert(one.image);
+  for (const auto& [name, shown_in] : images) {
+    if (shown_in.size() < 2) continue;
+    const ControlId id{std::uint32_t(draft.control.size())};
+    draft.control.emplace(name, id);
+    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+    draft.file.block.control[id] = {.name = name,
+                                    .role = ControlRole::kControl,
+                                    .position_in_map = Eigen::Vector3d::Constant(kUnknown),
+                                    .position_in_world = Eigen::Vector3d::Constant(kUnknown),
+                                    .sigma_m = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity())};
+  }
+}
+
 // Control may stand in the file wherever it likes.
 Result<> sort_measured(Draft& draft) {
+  add_marked_points(draft);
   std::map<std::pair<ControlId, ImageId>, std::size_t> known;
   for (const Measured& one : draft.measured) {
     const auto control = draft.control.find(one.point);
     if (control == draft.control.end())
       return bad_line(one.line, "there is no control or check point " + shown(one.point) + ": add a line control " +
-                                    one.point + " X Y Z SX SY SZ");
+                                    one.point + " X Y Z SX SY SZ, or measure it in a second image");
     if (const auto [before, is_new] = known.emplace(std::pair(control->second, one.image), one.line); !is_new)
       return twice(one.line, one.point, one.image, before->second, draft);
     draft.file.block.control_observations.push_back({control->second, one.image, one.pixel, one.sigma});
@@ -74,7 +94,8 @@ Result<> sort_measured(Draft& draft) {
     if (from == draft.control.end() || to == draft.control.end())
       return bad_line(one.line, "there is no control or check point " +
                                     shown(from == draft.control.end() ? one.from : one.to) +
-                                    ": add a line control (a point without coordinates has - for all of them)");
+                                    ": add a line control (a point without coordinates has - for all of them), or "
+                                    "measure it in two images");
     one.measured.from = from->second;
     one.measured.to = to->second;
     draft.file.block.geodetic.push_back(one.measured);

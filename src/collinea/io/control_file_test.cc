@@ -83,6 +83,24 @@ TEST(ControlFile, APointMayHaveNoCoordinatesAtAll) {
   EXPECT_EQ(control->points[0].position_in_map, Eigen::Vector3d(0, 0, 0));
 }
 
+TEST(ControlFile, APointMarkedInTwoImagesNeedsNoRowOfItsOwn) {
+  const auto control = parse_control(
+      "image, id, file, x_px, y_px\n"
+      "image, T1, a.jpg, 1, 2\n"
+      "point, A, 10, 20, 30\n"
+      "image, T1, b.jpg, 3, 4\n");
+  ASSERT_TRUE(control) << control.error().message;
+  ASSERT_EQ(control->points.size(), 2u);
+  EXPECT_EQ(control->points[1].name, "T1");
+  EXPECT_EQ(control->points[1].role, ControlRole::kControl);
+  EXPECT_TRUE(control->points[1].sigma_m.array().isInf().all());
+  EXPECT_EQ(control->points[1].position_in_map, Eigen::Vector3d(10, 20, 30));
+  EXPECT_EQ(control->observations.size(), 2u);
+  EXPECT_TRUE(contains(message_of("image, T1, a.jpg, 1, 2\nimage, T2, a.jpg, 3, 4\nimage, T2, b.jpg, 3, 4\n"),
+                       "line 1: image row of a point T1 that no point row gives, and no other image"));
+  EXPECT_TRUE(contains(message_of("image, T1, a.jpg, 1, 2\nimage, T1, a.jpg, 3, 4\n"), "no other image"));
+}
+
 TEST(ControlFile, ErrorsOfOurCsvNameTheLine) {
   EXPECT_TRUE(contains(message_of("point, A, 1, 2, 3\npoint, B, 1O4, 2, 3\n"), "line 2"));
   EXPECT_TRUE(contains(message_of("point, A, 1, 2, 3\npoint, A, 4, 5, 6\n"), "line 2: point A is given twice"));

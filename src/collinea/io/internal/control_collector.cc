@@ -88,13 +88,29 @@ void ControlCollector::add_observation(ControlFileObservation seen) {
 }
 
 Result<ControlFile> ControlCollector::finish(std::string crs) {
+  COLLINEA_TRY(add_marked_points());
   if (file_.points.empty()) return fail(Errc::kBadFormat, "no control point found");
-  for (const auto& seen : file_.observations)
-    if (!by_name_.contains(seen.point))
-      return bad_control_line(seen.line, "image row of a point " + seen.point + " that no point row gives");
   fill_missing_axes();
   file_.crs = std::move(crs);
   return std::move(file_);
+}
+
+Result<> ControlCollector::add_marked_points() {
+  std::map<std::string, std::set<std::string>> images;
+  for (const ControlFileObservation& seen : file_.observations)
+    if (!by_name_.contains(seen.point)) images[seen.point].insert(seen.file);
+  for (const ControlFileObservation& seen : file_.observations) {
+    const auto its = images.find(seen.point);
+    if (its == images.end() || by_name_.contains(seen.point)) continue;
+    if (its->second.size() < 2)
+      return bad_control_line(seen.line, "image row of a point " + seen.point +
+                                             " that no point row gives, and no other image: without coordinates a "
+                                             "point is marked in two images at least");
+    ControlFilePoint point{seen.point, Eigen::Vector3d::Constant(kInfinity), Eigen::Vector3d::Constant(kInfinity),
+                           ControlRole::kControl};
+    COLLINEA_TRY(add_point(seen.line, std::move(point)));
+  }
+  return {};
 }
 
 Result<> ControlCollector::add_new(int line, const std::array<double, 3>& key, const std::string& name) {

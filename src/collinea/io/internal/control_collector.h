@@ -29,11 +29,13 @@ class ControlCollector {
   /// name rows of one position are one point.
   Result<> add_row(int line, const Eigen::Vector3d& position, std::string_view name, ControlFileObservation seen);
   void add_observation(ControlFileObservation seen);
-  /// All of it, once. Errors: no point, observations of points that no row gives.
+  /// All of it, once. Points that are only marked, in two images or more, have no coordinates. Errors: no point, one
+  /// that no row gives and a single image shows.
   Result<ControlFile> finish(std::string crs);
 
  private:
   Result<> add_new(int line, const std::array<double, 3>& key, const std::string& name);
+  Result<> add_marked_points();
   void fill_missing_axes();
 
   ControlDefaults defaults_;

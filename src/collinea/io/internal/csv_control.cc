@@ -5,11 +5,11 @@
 //     image, id, file, x_px, y_px, sigma_px
 //     covariance, id, ee_m2, en_m2, eh_m2, nn_m2, nh_m2, hh_m2
 // Role is control (default) or check. Sigmas may all be left out: `defaults`. `inf`, or an empty field beside given
-// sigmas, or an empty coordinate, means that the axis was not surveyed; a point may have none of the three. sigma_px
-// may be left out. A covariance stands below its point and in place of its sigmas; fields of an axis that was not
-// surveyed are empty. Semicolons or tabs may separate in place of commas, in the whole file: those behind the word that
-// the first row starts with. A point has 5, 8 or 9 fields: with a number of others one is missing, which would move
-// those behind it.
+// sigmas, or an empty coordinate, means that the axis was not surveyed; a point may have none of the three, and needs
+// no row then if two images show it. sigma_px may be left out. A covariance stands below its point and in place of its
+// sigmas; fields of an axis that was not surveyed are empty. Semicolons or tabs may separate in place of commas, in the
+// whole file: those behind the word that the first row starts with. A point has 5, 8 or 9 fields: with a number of
+// others one is missing, which would move those behind it.
 #include <algorithm>
 #include <cmath>
 #include <limits>
