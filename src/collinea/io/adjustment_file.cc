@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/io/adjustment_file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -44,7 +46,8 @@ constexpr std::string_view kHead = R"(collinea-adjustment 1
 #   lies_on SHAPE NAME POINT SIGMA ROLE [AXIS]   SHAPE: plane, line, height; AXIS of a line: sideways, upwards, or both
 #   point NUMBER X Y Z                           tie point, approximately [m]
 #   measured_control IMAGE NAME COLUMN ROW SIGMA, measured_tie IMAGE NUMBER COLUMN ROW SIGMA
-#                                                [px] from the upper-left corner of the image
+#                                                [px] from the upper-left corner of the image; behind SIGMA may stand
+#                                                that of the row, and the correlation of column and row
 )";
 
 std::string in_quotes(std::string_view name) {
@@ -124,6 +127,25 @@ std::string geodetic_line(const GeodeticObservation& one, const std::map<Control
     text += " " + (one.setup == GeodeticObservation::kNoSetup ? "-" : std::to_string(one.setup)) + " " +
             exact(one.instrument_height_m) + " " + exact(one.target_height_m);
   return text + "\n";
+}
+
+// The fewest digits that read back as the same number of single precision.
+std::string as_single(double value, auto&& read_back, float wanted) {
+  for (int digits = 6; digits < 17; ++digits) {
+    std::string text = fmt::format("{:.{}g}", value, digits);
+    if (read_back(number(text).value_or(0)) == wanted) return text;
+  }
+  return exact(value);
+}
+
+std::string words_behind_sigma(double sigma, const PixelShape& shape) {
+  if (shape.is_round()) return "";
+  const auto ratio_of = [&](double of_row) { return static_cast<float>(of_row / sigma); };
+  std::string text = " " + as_single(sigma * shape.row_over_column, ratio_of, shape.row_over_column);
+  if (shape.correlation != 0)
+    text += " " + as_single(
+                      shape.correlation, [](double value) { return static_cast<float>(value); }, shape.correlation);
+  return text;
 }
 
 void write_camera(const AdjustmentFile& file, CameraId id, const std::string& name, std::string& text) {
@@ -209,14 +231,14 @@ std::string adjustment_file_text(const AdjustmentFile& file) {
     text += "point " + std::to_string(id.value) + words(point.position_in_world) + "\n";
   text += "\n";
   const auto measured = [&](const char* how, ImageId image, const std::string& point, const Eigen::Vector2d& pixel,
-                            double sigma) {
+                            double sigma, const PixelShape& shape) {
     text += how + images.at(image) + " " + point + " " + exact(pixel.x()) + " " + exact(pixel.y()) + " " +
-            exact(sigma) + "\n";
+            exact(sigma) + words_behind_sigma(sigma, shape) + "\n";
   };
   for (const ControlObservation& seen : block.control_observations)
-    measured("measured_control ", seen.image, control.at(seen.point), seen.pixel, seen.sigma_px);
+    measured("measured_control ", seen.image, control.at(seen.point), seen.pixel, seen.sigma_px, seen.shape);
   for (const Observation& seen : block.observations)
-    measured("measured_tie ", seen.image, std::to_string(seen.point.value), seen.pixel, seen.sigma_px);
+    measured("measured_tie ", seen.image, std::to_string(seen.point.value), seen.pixel, seen.sigma_px, seen.shape);
   return text;
 }
 

@@ -227,6 +227,30 @@ TEST(AdjustmentFile, APointMeasuredInTwoImagesNeedsNoLineOfItsOwn) {
   EXPECT_TRUE(once.error().message.ends_with("or measure it in a second image"));
 }
 
+TEST(AdjustmentFile, MeasurementsMayHaveACovariance) {
+  const std::string text =
+      "collinea-adjustment 1\ncamera wide 4000 3000 brown\nparameter wide f 3000 fixed\nimage a wide\nimage b wide\n"
+      "control T1 1 2 3 0 0 0\n"
+      "measured_control a T1 10 20 0.5 0.3 -0.25\nmeasured_control b T1 30 20 0.7 0.1\n"
+      "measured_tie a 7 10 90 0.3\nmeasured_tie b 7 10 90 0.3 0.9 0.1\n";
+  const auto file = parse_adjustment_file(text);
+  ASSERT_TRUE(file) << file.error().message;
+  const Block& block = file->block;
+  EXPECT_LT((block.control_observations[0].sigmas_px() - Eigen::Vector2d(0.5, 0.3)).norm(), 1e-7);
+  EXPECT_EQ(block.control_observations[0].shape.correlation, -0.25F);
+  EXPECT_TRUE(block.observations[0].shape.is_round());
+  EXPECT_LT((block.observations[1].sigmas_px() - Eigen::Vector2d(0.3, 0.9)).norm(), 1e-7);
+  const std::string written = adjustment_file_text(*file);
+  for (const char* line : {"measured_control a T1 10 20 0.5 0.3 -0.25\n", "measured_control b T1 30 20 0.7 0.1\n",
+                           "measured_tie a 7 10 90 0.3\n", "measured_tie b 7 10 90 0.3 0.9 0.1\n"})
+    EXPECT_NE(written.find(line), std::string::npos) << line << written;
+  for (const char* wrong : {"0.3 0", "0.3 -1", "0.3 0.3 1", "0.3 0.3 -2"}) {
+    const auto refused = parse_adjustment_file(text + "measured_tie a 8 1 2 " + wrong + "\n");
+    ASSERT_FALSE(refused) << wrong;
+    EXPECT_TRUE(refused.error().message.starts_with("line 11: this is no covariance")) << refused.error().message;
+  }
+}
+
 TEST(AdjustmentFile, SaysInWhichLineWhatIsWrong) {
   const std::pair<const char*, const char*> cases[] = {
       {"measured_tie b 7 1 2 0.5\n", "line 16: point \"7\" is measured twice in \"b\", before in line 14"},

@@ -333,6 +333,24 @@ Result<> take_point(const Line& line, Draft& draft) {
   return {};
 }
 
+// The standard deviation of the row and the correlation, where they stand behind that of the column.
+Result<PixelShape> shape_behind(const Line& line, double sigma) {
+  PixelShape shape;
+  if (line.count() > 5) {
+    COLLINEA_TRY(const double of_row, finite(line, 6, "a standard deviation of the row"));
+    shape.row_over_column = static_cast<float>(of_row / sigma);
+  }
+  if (line.count() > 6) {
+    COLLINEA_TRY(const double correlation, finite(line, 7, "a correlation"));
+    shape.correlation = static_cast<float>(correlation);
+  }
+  if (!shape.is_valid())
+    return bad_line(line.number,
+                    "this is no covariance of a measurement: standard deviations are above 0 [px], the correlation "
+                    "is between -1 and 1");
+  return shape;
+}
+
 Result<> take_measured(const Line& line, Draft& draft) {
   COLLINEA_TRY(const ImageId image, image_named(line, line.words[1], draft));
   Eigen::Vector2d pixel;
@@ -340,8 +358,9 @@ Result<> take_measured(const Line& line, Draft& draft) {
   COLLINEA_TRY(pixel.y(), finite(line, 4, "a row"));
   COLLINEA_TRY(const double sigma, finite(line, 5, "a standard deviation"));
   if (!(sigma > 0)) return bad_line(line.number, "the standard deviation of a measurement is above 0 [px]");
+  COLLINEA_TRY(const PixelShape shape, shape_behind(line, sigma));
   if (line.words[0] == "measured_control") {
-    draft.measured.push_back({line.number, image, line.words[2], pixel, sigma});
+    draft.measured.push_back({line.number, image, line.words[2], pixel, sigma, shape});
     return {};
   }
   const auto id = point_numbered(line.words[2]);
@@ -349,7 +368,7 @@ Result<> take_measured(const Line& line, Draft& draft) {
     return bad_line(line.number, shown(line.words[2]) +
                                      " is no number of a tie point: a whole number from 0 is "
                                      "expected; points with names are measured_control");
-  draft.ties.push_back({line.number, {image, *id, 0, pixel, sigma}});
+  draft.ties.push_back({line.number, {image, *id, 0, pixel, sigma, shape}});
   return {};
 }
 
@@ -392,8 +411,8 @@ Result<> take_adjustment_line(const AdjustmentLine& line, AdjustmentDraft& draft
       {"lies_on", "plane|line|height NAME POINT SIGMA ROLE [sideways|upwards]", 5, 6, take_shape},
       {"ground", "KIND FROM TO VALUE SIGMA ROLE [SETUP INSTRUMENT_HEIGHT TARGET_HEIGHT]", 6, 9, take_geodetic},
       {"point", "NUMBER X Y Z", 4, 4, take_point},
-      {"measured_control", "IMAGE NAME COLUMN ROW SIGMA", 5, 5, take_measured},
-      {"measured_tie", "IMAGE NUMBER COLUMN ROW SIGMA", 5, 5, take_measured},
+      {"measured_control", "IMAGE NAME COLUMN ROW SIGMA [SIGMA_ROW [CORRELATION]]", 5, 7, take_measured},
+      {"measured_tie", "IMAGE NUMBER COLUMN ROW SIGMA [SIGMA_ROW [CORRELATION]]", 5, 7, take_measured},
   };
   for (const Rule& rule : kRules) {
     if (line.words[0] != rule.keyword) continue;

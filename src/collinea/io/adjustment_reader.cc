@@ -87,7 +87,7 @@ Result<> sort_measured(Draft& draft) {
                                     one.point + " X Y Z SX SY SZ, or measure it in a second image");
     if (const auto [before, is_new] = known.emplace(std::pair(control->second, one.image), one.line); !is_new)
       return twice(one.line, one.point, one.image, before->second, draft);
-    draft.file.block.control_observations.push_back({control->second, one.image, one.pixel, one.sigma});
+    draft.file.block.control_observations.push_back({control->second, one.image, one.pixel, one.sigma, one.shape});
   }
   for (GeodeticLine& one : draft.geodetic) {
     const auto from = draft.control.find(one.from), to = draft.control.find(one.to);

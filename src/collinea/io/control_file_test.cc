@@ -101,6 +101,20 @@ TEST(ControlFile, APointMarkedInTwoImagesNeedsNoRowOfItsOwn) {
   EXPECT_TRUE(contains(message_of("image, T1, a.jpg, 1, 2\nimage, T1, a.jpg, 3, 4\n"), "no other image"));
 }
 
+TEST(ControlFile, AnImageMayHaveACovariance) {
+  const std::string marks = "point, A, 10, 20, 30\nimage, A, a.jpg, 1, 2, 0.3\nimage, A, b.jpg, 3, 4, 0.5\n";
+  const auto control = parse_control(marks + "image_covariance, A, a.jpg, 0.04, -0.006, 0.01\n");
+  ASSERT_TRUE(control) << control.error().message;
+  EXPECT_NEAR(control->observations[0].sigma_px, 0.2, 1e-12);
+  EXPECT_NEAR(control->observations[0].shape.row_over_column, 0.5, 1e-7);
+  EXPECT_NEAR(control->observations[0].shape.correlation, -0.3, 1e-7);
+  EXPECT_TRUE(control->observations[1].shape.is_round());
+  EXPECT_TRUE(
+      contains(message_of(marks + "image_covariance, A, c.jpg, 1, 0, 1\n"), "line 4: there is no image row of A"));
+  EXPECT_TRUE(contains(message_of(marks + "image_covariance, A, a.jpg, 1, 1, 1\n"), "line 4: this is no covariance"));
+  EXPECT_TRUE(contains(message_of(marks + "image_covariance, A, a.jpg, 1, 0\n"), "line 4: a row of an image's"));
+}
+
 TEST(ControlFile, ErrorsOfOurCsvNameTheLine) {
   EXPECT_TRUE(contains(message_of("point, A, 1, 2, 3\npoint, B, 1O4, 2, 3\n"), "line 2"));
   EXPECT_TRUE(contains(message_of("point, A, 1, 2, 3\npoint, A, 4, 5, 6\n"), "line 2: point A is given twice"));

@@ -186,13 +186,20 @@ TEST_F(DbatScript, XmlIsReadAsFarAsAnyoneWritesIt) {
             std::string::npos);
 }
 
+TEST_F(DbatScript, MarksMayHaveAStandardDeviationForEachAxis) {
+  const auto file = read(with("sxy=\"0.5\"", "sx=\"0.5\" sy=\"0.6\""));
+  ASSERT_TRUE(file) << file.error().message;
+  ASSERT_FALSE(file->block.observations.empty());
+  for (const Observation& seen : file->block.observations)
+    EXPECT_LT((seen.sigmas_px() - Eigen::Vector2d(0.5, 0.6)).norm(), 1e-7);
+}
+
 TEST_F(DbatScript, WhatIsNotKnownIsAnErrorByName) {
   const std::pair<std::string, const char*> scripts[] = {
       {with("<images", "<scale_bars/><images"), "line 6: element scale_bars in input"},
       {with("</document>", "<plugin/></document>"), "element plugin in document"},
       {with("format=\"im,id,x,y\"", "format=\"im,id,x,y,weight\""), "format: \"weight\" is no column"},
       {with("format=\"im,id,x,y\"", "format=\"im,id,x,x\""), "column x is there twice"},
-      {with("sxy=\"0.5\"", "sx=\"0.5\" sy=\"0.6\""), "standard deviations that differ in x and y"},
       {with("sxy=\"0.5\"", "sigma=\"0.5\""), "attribute sigma of file"},
       {with("<unit>mm", "<fiducials>8</fiducials><unit>mm"), "element fiducials in camera"},
       {with("<K>1e-3,0,0", "<K>1e-3,0,0,1e-9"), "K has 4 numbers; 0 to 3 are expected"},

@@ -110,8 +110,8 @@ class Approximator {
     std::vector<SightLine> lines;
     for (const std::size_t i : rows)
       if (const std::optional<Rigid3> pose = find_pose(block_, observations[i].image))
-        lines.push_back(
-            {&block_.camera_of(observations[i].image), *pose, observations[i].pixel, observations[i].sigma_px});
+        lines.push_back({&block_.camera_of(observations[i].image), *pose, observations[i].pixel,
+                         observations[i].sigma_px, observations[i].shape});
     return intersect(lines);
   }
 

@@ -86,7 +86,7 @@ Result<> add_control(Imported& imported, const ControlFile& control, const Local
     }
     const ControlId point = by_name.at(row.point);
     const bool is_inside = inside(block.camera_of(*image), row.pixel);
-    (is_inside ? block.control_observations : outside).push_back({point, *image, row.pixel, row.sigma_px});
+    (is_inside ? block.control_observations : outside).push_back({point, *image, row.pixel, row.sigma_px, row.shape});
     if (!is_inside)
       each_outside.push_back(finding_of(FindingCode::kControlOutsideImage, {point, *image},
                                         {{FigureName::kPixelX, row.pixel.x()},

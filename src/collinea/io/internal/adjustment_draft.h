@@ -24,6 +24,7 @@ struct AdjustmentDraft {
     std::string point;
     Eigen::Vector2d pixel;
     double sigma;
+    PixelShape shape;
   };
 
   /// A geodetic observation between points that may be named later.

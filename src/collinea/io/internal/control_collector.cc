@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/io/internal/control_collector.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -52,6 +53,28 @@ Result<> ControlCollector::add_covariance(int line, const std::vector<std::strin
   point.correlation = correlation_of(covariance);
   if (!survey_weight(point.sigma_m, point.correlation))
     return bad_control_line(line, "this is no covariance of " + point.name + ": it has to be positive definite");
+  return {};
+}
+
+Result<> ControlCollector::add_image_covariance(int line, const std::vector<std::string_view>& f) {
+  if (f.size() != 6)
+    return bad_control_line(line,
+                            "a row of an image's covariance needs: image_covariance, id, file, xx_px2, xy_px2, yy_px2");
+  const auto seen = std::find_if(file_.observations.rbegin(), file_.observations.rend(),
+                                 [&](const auto& one) { return one.point == f[1] && one.file == f[2]; });
+  if (seen == file_.observations.rend())
+    return bad_control_line(
+        line, "there is no image row of " + std::string(f[1]) + " in " + std::string(f[2]) + " above this line");
+  const auto xx = finite_number(f[3]), xy = finite_number(f[4]), yy = finite_number(f[5]);
+  if (!xx || !xy || !yy || !(*xx > 0) || !(*yy > 0) || !(*xy * *xy < *xx * *yy))
+    return bad_control_line(line,
+                            "this is no covariance: xx_px2 and yy_px2 are above 0, and xy_px2 is smaller than the "
+                            "root of their product");
+  seen->sigma_px = std::sqrt(*xx);
+  seen->shape = {.row_over_column = static_cast<float>(std::sqrt(*yy / *xx)),
+                 .correlation = static_cast<float>(*xy / std::sqrt(*xx * *yy))};
+  if (!seen->shape.is_valid())
+    return bad_control_line(line, "column and row are as good as one: this is no covariance");
   return {};
 }
 

@@ -51,7 +51,8 @@ TieErrors shown_tie_errors(const Problem& problem, const State& state, const std
     if (!ImagePoint::is_tie(problem, item) || (rays == 2 && item.ray != problem.point(item.point).first_ray)) return;
     const auto px = ImagePoint::residual(problem, state, item);
     if (!px) return;
-    const Eigen::Vector2d residual = *px * (problem.rays[item.ray].inverse_sigma / sigma0);
+    const Ray& ray = problem.rays[item.ray];
+    const Eigen::Vector2d residual = ImagePoint::whitened(ray, *px, sigma0);
     const double weight = ImagePoint::loss(problem, item).weight(ImagePoint::squared(problem, item, *px));
     errors.push_back({checked_error(residual, Eigen::Matrix2d::Identity() - leverages[item.ray], weight), rays});
   });
@@ -195,12 +196,48 @@ class Examiner {
     const auto its_class = tie ? out_.tie_errors.class_of(ray_count(problem_, item.point)) : std::nullopt;
     const TestLimits limits = its_class ? tie_limits_[*its_class] : TestLimits{out_.limit, out_.delta0};
     if (tie) tie_.add(s, 2);
+    if (const PixelShape& shape = shape_of(one, block); !shape.is_round()) {
+      take_shaped_point(item, shape, *px, weight, limits, std::move(one));
+      return;
+    }
     if (tie) by_source_[one.source] = Eigen::Vector2d::Ones() - leverage;
     for (int axis = 0; axis < 2; ++axis) {
       one.axis = axis;
       one.residual = (*px)[axis];
       if (!tie) sums(one.group).squares += std::pow(one.residual / one.sigma, 2);
       test(one, leverage[axis], weight, limits);
+    }
+  }
+
+  static const PixelShape& shape_of(const TestedObservation& one, const Block& block) {
+    return one.group == ObservationGroup::kTieImages ? block.observations[one.source].shape
+                                                     : block.control_observations[one.source].shape;
+  }
+
+  // As of correlated control, see take_control(): the test of a coordinate is that of the coordinate as the other
+  // predicts it too. With W of the whitening, P = W' W / s^2 and the hat matrix H of the whitened residuals W v / s the
+  // weight is p_ii, the residual (P v)_i / p_ii and the leverage (W' H W)_ii / (s^2 p_ii).
+  void take_shaped_point(const ImagePoint::Item& item, const PixelShape& shape, const Eigen::Vector2d& px,
+                         double robust_weight, const TestLimits& limits, TestedObservation one) {
+    const bool tie = one.group == ObservationGroup::kTieImages;
+    const double s = one.sigma;  // of the column
+    const Eigen::Matrix2d w = shape.whitening(), hat = leverages_[item.ray];
+    const Eigen::Vector2d independent = w * px / s, weighted = w.transpose() * independent;
+    if (!tie) sums(one.group).squares += independent.squaredNorm();
+    if (tie) {
+      const Eigen::Matrix2d root = w.inverse();
+      const Eigen::Matrix2d left = root * (Eigen::Matrix2d::Identity() - hat) * root.transpose();
+      by_source_[one.source] = left.diagonal().cwiseQuotient(shape.covariance().diagonal());
+    }
+    for (int axis = 0; axis < 2; ++axis) {
+      const double p = w.col(axis).squaredNorm();
+      const double of_test = w.col(axis).dot(hat * w.col(axis)) / p;
+      one.axis = axis;
+      one.sigma = s / std::sqrt(p);
+      one.residual = weighted[axis] * s / p;
+      test(one, of_test, robust_weight, limits);
+      sums(one.group).redundancy += of_test - hat(axis, axis);
+      out_.redundancy_sum += of_test - hat(axis, axis);
     }
   }
 

@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <sstream>
+#include <vector>
 
 #include "collinea/base/packed.h"
 #include "collinea/store/internal/project_store_state.h"
@@ -20,7 +21,8 @@ namespace {
 using sqlite::Database;
 using sqlite::Statement;
 
-// How one record lies in a blob. kBytes is its exact size.
+// How one record lies in a blob. kBytes is its exact size. A record of no point says the shape of the one before it, in
+// place of the pixel: almost all are round, and have none.
 struct ControlObservationRecord {
   static constexpr std::size_t kBytes = 2 * 4 + 3 * 8;
   using Value = ControlObservation;
@@ -285,12 +287,27 @@ Result<bool> has_geodetic(Database& db) {
 
 Result<> write_control_observations(Database& db, const std::string& table,
                                     const std::vector<ControlObservation>& observations) {
-  return write_chunks<ControlObservationRecord>(db, table, observations);
+  std::vector<ControlObservation> records;
+  records.reserve(observations.size());
+  for (const ControlObservation& one : observations) {
+    records.push_back(one);
+    if (!one.shape.is_round())
+      records.push_back({ControlId{}, one.image, {one.shape.row_over_column, one.shape.correlation}});
+  }
+  return write_chunks<ControlObservationRecord>(db, table, records);
 }
 
 Result<> read_control_observations(Database& db, const std::string& table, Block& block) {
-  return read_chunks<ControlObservationRecord>(
-      db, table, [&](const ControlObservation& o) { block.control_observations.push_back(o); });
+  bool is_sound = true;
+  COLLINEA_TRY(read_chunks<ControlObservationRecord>(db, table, [&](const ControlObservation& o) {
+    auto& all = block.control_observations;
+    if (o.point.valid()) return all.push_back(o);
+    const PixelShape shape{static_cast<float>(o.pixel.x()), static_cast<float>(o.pixel.y())};
+    is_sound = is_sound && !all.empty() && shape.is_valid();
+    if (!all.empty()) all.back().shape = shape;
+  }));
+  if (!is_sound) return damaged(table);
+  return {};
 }
 
 Result<> write_setup_tables(Database& db, const Block& block) {
