@@ -154,8 +154,8 @@ Result<ControlFile> parse_csv(std::string_view file, const ControlDefaults& defa
     if (std::all_of(fields.begin(), fields.end(), [](auto field) { return field.empty(); })) continue;
     const std::string kind = lower(fields[0]);
     if (!is_kind(kind))
-      return bad_control_line(line, "a row starts with point, image, covariance or image_covariance" +
-                                        separator_hint(text, separator.value_or(',')));
+      return bad_control_line(
+          line, "a row starts with point, image or covariance" + separator_hint(text, separator.value_or(',')));
     if (is_title(fields, kinds.insert(kind).second)) continue;
     if (kind == "covariance") {
       drop_empty_behind(8, fields);
