@@ -58,11 +58,33 @@ std::vector<SetUp> setups_of(const Block& block, const std::vector<std::uint32_t
   return all;
 }
 
+/// A GNSS vector from mark to mark.
+struct Vector {
+  ControlId from, to;
+  Eigen::Vector3d line;
+};
+
+std::vector<Vector> vectors_of(const Block& block, const std::vector<std::uint32_t>& links) {
+  std::map<std::uint32_t, std::vector<const GeodeticObservation*>> parts;
+  for (const std::uint32_t link : links)
+    if (const GeodeticObservation& one = block.geodetic[link]; one.kind == GeodeticKind::kGnssVector)
+      parts[one.setup].push_back(&one);
+  std::vector<Vector> vectors;
+  for (const auto& [number, its] : parts) {
+    if (its.size() != 3) continue;
+    Vector vector{its[0]->from, its[0]->to,
+                  (its[0]->instrument_height_m - its[0]->target_height_m) * Eigen::Vector3d::UnitZ()};
+    for (const GeodeticObservation* one : its) vector.line += one->value * one->along;
+    vectors.push_back(vector);
+  }
+  return vectors;
+}
+
 class PositionFinder {
  public:
   PositionFinder(const Block& block, const std::vector<std::uint32_t>& links,
                  std::map<ControlId, Eigen::Vector3d>& positions)
-      : setups_(setups_of(block, links)), positions_(positions) {}
+      : setups_(setups_of(block, links)), vectors_(vectors_of(block, links)), positions_(positions) {}
 
   void find() {
     for (bool found = true; found;) {
@@ -72,6 +94,7 @@ class PositionFinder {
         if (!positions_.contains(setup.station)) found |= locate_station(setup);
         if (positions_.contains(setup.station)) found |= sight_from(setup);
       }
+      for (const Vector& vector : vectors_) found |= go_along(vector);
       for (const auto& [target, rays] : rays_)
         if (!positions_.contains(target)) found |= intersect(target, rays);
     }
@@ -81,6 +104,16 @@ class PositionFinder {
   struct Ray {
     Eigen::Vector3d from, along;
   };
+
+  bool go_along(const Vector& vector) {
+    const bool is_from = positions_.contains(vector.from);
+    if (is_from == positions_.contains(vector.to)) return false;
+    if (is_from)
+      positions_[vector.to] = Eigen::Vector3d(positions_[vector.from] + vector.line);
+    else
+      positions_[vector.from] = Eigen::Vector3d(positions_[vector.to] - vector.line);
+    return true;
+  }
 
   [[nodiscard]] const Eigen::Vector3d* position_of(ControlId point) const {
     const auto its = positions_.find(point);
@@ -175,6 +208,7 @@ class PositionFinder {
   }
 
   std::vector<SetUp> setups_;
+  std::vector<Vector> vectors_;
   std::map<ControlId, std::vector<Ray>> rays_;
   std::map<ControlId, Eigen::Vector3d>& positions_;
 };

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "collinea/base/file.h"
+#include "collinea/block/gnss_vector.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/io/internal/adjustment_words.h"
 #include "collinea/io/internal/line_names.h"
@@ -43,6 +44,9 @@ constexpr std::string_view kHead = R"(collinea-adjustment 1
 #                                                measured between control points; KIND: distance, height_difference [m],
 #                                                direction, zenith_angle, azimuth [deg]; ROLE: control or check;
 #                                                heights [m]
+#   vector AXES FROM TO DX DY DZ XX XY XZ YY YZ ZZ ROLE [FROM_HEIGHT TO_HEIGHT]
+#                                                of GNSS, with its covariance [m2]; AXES: geocentric, local (east, north,
+#                                                up at FROM) or frame; heights of the antennas [m]
 #   lies_on SHAPE NAME POINT SIGMA ROLE [AXIS]   SHAPE: plane, line, height; AXIS of a line: sideways, upwards, or both
 #   point NUMBER X Y Z                           tie point, approximately [m]
 #   measured_control IMAGE NAME COLUMN ROW SIGMA, measured_tie IMAGE NUMBER COLUMN ROW SIGMA
@@ -126,6 +130,22 @@ std::string geodetic_line(const GeodeticObservation& one, const std::map<Control
   if (one.setup != GeodeticObservation::kNoSetup || one.instrument_height_m != 0 || one.target_height_m != 0)
     text += " " + (one.setup == GeodeticObservation::kNoSetup ? "-" : std::to_string(one.setup)) + " " +
             exact(one.instrument_height_m) + " " + exact(one.target_height_m);
+  return text + "\n";
+}
+
+// The line of a vector, at the first of its parts.
+std::string vector_line(const Block& block, std::size_t first, const std::map<ControlId, std::string>& names) {
+  const std::vector<std::uint32_t> parts = with_their_vectors(block, static_cast<std::uint32_t>(first));
+  if (parts.front() != first || parts.size() != 3) return "";
+  const GeodeticObservation& one = block.geodetic[first];
+  const GnssVector vector = vector_of({block.geodetic[parts[0]], block.geodetic[parts[1]], block.geodetic[parts[2]]});
+  std::string text = std::string("vector ") + (vector.is_local ? "local " : "frame ") + names.at(one.from) + " " +
+                     names.at(one.to) + words(vector.vector);
+  for (int row = 0; row < 3; ++row)
+    for (int column = row; column < 3; ++column) text += " " + exact(vector.covariance_m2(row, column));
+  text += one.role == ControlRole::kCheck ? " check" : " control";
+  if (one.instrument_height_m != 0 || one.target_height_m != 0)
+    text += " " + exact(one.instrument_height_m) + " " + exact(one.target_height_m);
   return text + "\n";
 }
 
@@ -226,7 +246,9 @@ std::string adjustment_file_text(const AdjustmentFile& file) {
             words(point.position_in_world) + words(point.sigma_m) + "\n";
     if (!point.correlation.isZero(0)) text += "control_correlation " + control.at(id) + words(point.correlation) + "\n";
   }
-  for (const GeodeticObservation& one : block.geodetic) text += geodetic_line(one, control);
+  for (std::size_t i = 0; i < block.geodetic.size(); ++i)
+    text += block.geodetic[i].kind == GeodeticKind::kGnssVector ? vector_line(block, i, control)
+                                                                : geodetic_line(block.geodetic[i], control);
   for (const auto& [id, point] : block.points)
     text += "point " + std::to_string(id.value) + words(point.position_in_world) + "\n";
   text += "\n";

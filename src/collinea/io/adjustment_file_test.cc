@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collinea/block/gnss_vector.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/io/internal/test_damage.h"
 #include "collinea/math/random.h"
@@ -249,6 +250,40 @@ TEST(AdjustmentFile, MeasurementsMayHaveACovariance) {
     ASSERT_FALSE(refused) << wrong;
     EXPECT_TRUE(refused.error().message.starts_with("line 11: this is no covariance")) << refused.error().message;
   }
+}
+
+TEST(AdjustmentFile, GnssVectorsComeBack) {
+  const std::string head =
+      "collinea-adjustment 1\ncamera wide 4000 3000 brown\nparameter wide f 3000 fixed\nimage a wide\nimage b wide\n"
+      "control T1 1 2 3 0 0 0\ncontrol T2 - - - - - -\nmeasured_control a T1 10 20 0.5\n";
+  const std::string vectors =
+      "vector local T1 T2 10 20 30 4e-6 1e-6 0 5e-6 -1e-6 9e-6 control 1.5 0.2\n"
+      "vector geocentric T1 T2 10 20 30 4e-6 1e-6 0 5e-6 -1e-6 9e-6 check\n";
+  const auto file = parse_adjustment_file(head + "georeference EPSG:32633 48 15 300\n" + vectors);
+  ASSERT_TRUE(file) << file.error().message;
+  ASSERT_EQ(file->block.geodetic.size(), 6u);
+  EXPECT_EQ(file->block.geodetic[0].instrument_height_m, 1.5);
+  EXPECT_TRUE(file->block.geodetic[0].is_local);
+  EXPECT_EQ(file->block.geodetic[5].role, ControlRole::kCheck);
+  EXPECT_NE(file->block.geodetic[5].setup, file->block.geodetic[0].setup);
+  const auto again = parse_adjustment_file(adjustment_file_text(*file));
+  ASSERT_TRUE(again) << again.error().message;
+  ASSERT_EQ(again->block.geodetic.size(), 6u);
+  for (const std::size_t first : {0u, 3u}) {
+    const auto& all = file->block.geodetic;
+    const auto& back = again->block.geodetic;
+    const GnssVector one = vector_of({all[first], all[first + 1], all[first + 2]}),
+                     other = vector_of({back[first], back[first + 1], back[first + 2]});
+    EXPECT_LT((one.vector - other.vector).norm(), 1e-12);
+    EXPECT_LT((one.covariance_m2 - other.covariance_m2).norm(), 1e-18);
+    EXPECT_EQ(one.is_local, other.is_local);
+  }
+  const auto error = [&](const std::string& text) { return parse_adjustment_file(head + text).error().message; };
+  EXPECT_TRUE(error(vectors).starts_with("line 10: a geocentric vector needs to know where the frame is"));
+  EXPECT_TRUE(
+      error("vector map T1 T2 1 2 3 1 0 0 1 0 1 check\n").starts_with("line 9: \"map\" are no axes of a vector"));
+  EXPECT_TRUE(error("vector local T1 T2 1 2 3 1 2 0 1 0 1 check\n").starts_with("line 9: this is no covariance"));
+  EXPECT_TRUE(error("vector local T1 T2 1 2 3 1 0 0 1 0 1 check 1\n").starts_with("line 9: behind the role"));
 }
 
 TEST(AdjustmentFile, SaysInWhichLineWhatIsWrong) {

@@ -279,6 +279,7 @@ Result<> take_geodetic(const Line& line, Draft& draft) {
   std::string known;
   for (std::size_t k = 0; k < kGeodeticKinds; ++k) {
     if (GeodeticObservation{.kind = GeodeticKind(k)}.is_of_shape()) continue;  // these have lines of their own
+    if (GeodeticKind(k) == GeodeticKind::kGnssVector) continue;
     known += " " + geodetic_word(k);
     if (line.words[1] == geodetic_word(k)) kind = k;
   }
@@ -311,6 +312,35 @@ Result<> take_geodetic(const Line& line, Draft& draft) {
   }
   if (one.kind == GeodeticKind::kDirection && one.setup == GeodeticObservation::kNoSetup)
     return bad_line(line.number, "a direction belongs to a set-up: the instrument's orientation is found for each");
+  draft.geodetic.push_back(std::move(geodetic));
+  return {};
+}
+
+// vector AXES FROM TO DX DY DZ XX XY XZ YY YZ ZZ ROLE [FROM_HEIGHT TO_HEIGHT]
+Result<> take_vector(const Line& line, Draft& draft) {
+  const std::string& axes = line.words[1];
+  if (axes != "geocentric" && axes != "local" && axes != "frame")
+    return bad_line(line.number, shown(axes) + " are no axes of a vector: geocentric, local or frame");
+  GeodeticLine geodetic{line.number, line.words[2], line.words[3], {.kind = GeodeticKind::kGnssVector}};
+  if (geodetic.from == geodetic.to) return bad_line(line.number, "a measurement from a point to itself");
+  geodetic.is_geocentric = axes == "geocentric";
+  geodetic.vector.is_local = axes == "local";
+  COLLINEA_TRY(geodetic.vector.vector, finite3(line, 4, "a coordinate"));
+  std::size_t next = 7;
+  for (int row = 0; row < 3; ++row)
+    for (int column = row; column < 3; ++column, ++next) {
+      COLLINEA_TRY(const double value, finite(line, next, "a covariance"));
+      geodetic.vector.covariance_m2(row, column) = geodetic.vector.covariance_m2(column, row) = value;
+    }
+  if (!observations_of(geodetic.vector, {}))
+    return bad_line(line.number, "this is no covariance of a vector: it has to be positive definite [m2]");
+  COLLINEA_TRY(take_role(line, 13, geodetic.measured));
+  if (line.count() == 14)
+    return bad_line(line.number, "behind the role stand the heights of both antennas, or nothing");
+  if (line.count() > 14) {
+    COLLINEA_TRY(geodetic.measured.instrument_height_m, finite(line, 14, "a height"));
+    COLLINEA_TRY(geodetic.measured.target_height_m, finite(line, 15, "a height"));
+  }
   draft.geodetic.push_back(std::move(geodetic));
   return {};
 }
@@ -410,6 +440,8 @@ Result<> take_adjustment_line(const AdjustmentLine& line, AdjustmentDraft& draft
       {"check_in_map", "NAME EASTING NORTHING HEIGHT SX SY SZ", 7, 7, take_control},
       {"lies_on", "plane|line|height NAME POINT SIGMA ROLE [sideways|upwards]", 5, 6, take_shape},
       {"ground", "KIND FROM TO VALUE SIGMA ROLE [SETUP INSTRUMENT_HEIGHT TARGET_HEIGHT]", 6, 9, take_geodetic},
+      {"vector", "geocentric|local|frame FROM TO DX DY DZ XX XY XZ YY YZ ZZ ROLE [FROM_HEIGHT TO_HEIGHT]", 13, 15,
+       take_vector},
       {"point", "NUMBER X Y Z", 4, 4, take_point},
       {"measured_control", "IMAGE NAME COLUMN ROW SIGMA [SIGMA_ROW [CORRELATION]]", 5, 7, take_measured},
       {"measured_tie", "IMAGE NUMBER COLUMN ROW SIGMA [SIGMA_ROW [CORRELATION]]", 5, 7, take_measured},

@@ -76,6 +76,22 @@ void add_marked_points(Draft& draft) {
   }
 }
 
+Result<> add_vector(GeodeticLine& line, std::uint32_t number, Block& block) {
+  GnssVector vector = line.vector;
+  if (line.is_geocentric) {
+    if (!block.georeference)
+      return bad_line(line.line, "a geocentric vector needs to know where the frame is: there is no line georeference");
+    const Eigen::Matrix3d rotation = world_from_geocentric(*block.georeference);
+    vector.vector = rotation * vector.vector;
+    vector.covariance_m2 = rotation * vector.covariance_m2 * rotation.transpose();
+  }
+  line.measured.setup = number;
+  const auto parts = observations_of(vector, line.measured);
+  if (!parts) return bad_line(line.line, "this is no covariance of a vector: it has to be positive definite [m2]");
+  block.geodetic.insert(block.geodetic.end(), parts->begin(), parts->end());
+  return {};
+}
+
 // Control may stand in the file wherever it likes.
 Result<> sort_measured(Draft& draft) {
   add_marked_points(draft);
@@ -89,6 +105,7 @@ Result<> sort_measured(Draft& draft) {
       return twice(one.line, one.point, one.image, before->second, draft);
     draft.file.block.control_observations.push_back({control->second, one.image, one.pixel, one.sigma, one.shape});
   }
+  std::uint32_t vectors = 0;
   for (GeodeticLine& one : draft.geodetic) {
     const auto from = draft.control.find(one.from), to = draft.control.find(one.to);
     if (from == draft.control.end() || to == draft.control.end())
@@ -98,7 +115,11 @@ Result<> sort_measured(Draft& draft) {
                                     "measure it in two images");
     one.measured.from = from->second;
     one.measured.to = to->second;
-    draft.file.block.geodetic.push_back(one.measured);
+    if (one.measured.kind == GeodeticKind::kGnssVector) {
+      COLLINEA_TRY(add_vector(one, vectors++, draft.file.block));
+    } else {
+      draft.file.block.geodetic.push_back(one.measured);
+    }
   }
   sort_by_point_and_image(draft.ties, [](const Tie& one) -> const Observation& { return one.seen; });
   for (std::size_t i = 0; i < draft.ties.size(); ++i) {

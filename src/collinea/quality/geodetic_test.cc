@@ -7,9 +7,12 @@
 #include <numbers>
 
 #include "collinea/adjust/geodetic_model.h"
+#include "collinea/block/gnss_vector.h"
+#include "collinea/block/world_frame.h"
 #include "collinea/geometry/similarity3.h"
 #include "collinea/quality/examine.h"
 #include "collinea/quality/internal/test_examine.h"
+#include "collinea/quality/snooping.h"
 #include "collinea/quality/variance_components.h"
 
 namespace collinea {
@@ -36,9 +39,13 @@ TEST(GeodeticModel, DerivativesAreThoseOfDifferences) {
   for (int i = 0; i < 40; ++i) {
     const Eigen::Vector3d from = 300 * normal3(random), to = 300 * normal3(random);
     for (const GeodeticKind kind : {GeodeticKind::kDistance, GeodeticKind::kHeightDifference, GeodeticKind::kDirection,
-                                    GeodeticKind::kZenithAngle, GeodeticKind::kAzimuth})
+                                    GeodeticKind::kZenithAngle, GeodeticKind::kAzimuth, GeodeticKind::kGnssVector})
       for (const bool curved : {false, true}) {
-        const GeodeticObservation one{.kind = kind, .instrument_height_m = 1.6, .target_height_m = 0.3};
+        const GeodeticObservation one{.kind = kind,
+                                      .instrument_height_m = 1.6,
+                                      .target_height_m = 0.3,
+                                      .along = {0.48, -0.6, 0.64},
+                                      .is_local = i % 2 == 0};
         const GeodeticModel model = geodetic_model(one, from, to, 0.4, {curved});
         constexpr double kStep_m = 1e-3;
         for (int c = 0; c < 3; ++c) {
@@ -48,8 +55,9 @@ TEST(GeodeticModel, DerivativesAreThoseOfDifferences) {
                                   geodetic_model(one, from - df, to - dt, 0.4, {curved}).computed;
             return (one.is_angle() ? std::remainder(change, 2 * std::numbers::pi) : change) / (2 * kStep_m);
           };
-          // What the derivatives leave out of a round Earth: 1e-6 times what they are where lines are not steep.
-          const double tolerance = curved ? 2e-6 : 1e-8;
+          // What the derivatives leave out of a round Earth: 1e-6 times what they are where lines are not steep; of a
+          // vector the length over the Earth's radius.
+          const double tolerance = !curved ? 1e-8 : kind == GeodeticKind::kGnssVector ? 4e-4 : 2e-6;
           EXPECT_NEAR(slope(step, {0, 0, 0}), model.by_from[c], tolerance) << static_cast<int>(kind);
           EXPECT_NEAR(slope({0, 0, 0}, step), model.by_to[c], tolerance) << static_cast<int>(kind);
         }
@@ -210,6 +218,82 @@ TEST(Geodetic, ErrorsOfAzimuthsAreAsLargeAsTheirSigmas) {
   const double tolerance = 4 * std::sqrt(2.0 / kBlocks);
   EXPECT_NEAR(squares / kBlocks, 1, tolerance);
   EXPECT_NEAR(residuals / kBlocks, 1, tolerance);
+}
+
+// East, north and up of a receiver three kilometres from the origin are those of the ellipsoid there.
+TEST(GeodeticModel, LocalAxesOfAVectorAreThoseOfItsFirstPoint) {
+  const Georeference place{"EPSG:32633", 48.2, 15.63, 300};
+  const auto frame = world_frame(place);
+  ASSERT_TRUE(frame);
+  const double latitude = place.origin_latitude_deg * std::numbers::pi / 180;
+  const Earth earth{.is_round = true, .pole = {0, std::cos(latitude), std::sin(latitude)}};
+  const Eigen::Vector3d from(2000, -2300, 40), to(2600, -1400, 15);
+  const Eigen::Vector3d there = frame->geographic_from_local(from);
+  const auto at = LocalFrame::create(place.crs, there.x(), there.y(), there.z());
+  ASSERT_TRUE(at);
+  const Eigen::Vector3d local = at->local_from_geographic(frame->geographic_from_local(to));
+  for (int axis = 0; axis < 3; ++axis) {
+    const GeodeticObservation one{
+        .kind = GeodeticKind::kGnssVector, .along = Eigen::Vector3d::Unit(axis), .is_local = true};
+    EXPECT_NEAR(geodetic_model(one, from, to, 0, earth).computed, local[axis], 0.002) << axis;  // of 1.1 km
+  }
+}
+
+// Three vectors place a block but for its position. What they are off, in sigmas, and the errors of a fourth that is
+// only compared are standard normal, of 100 blocks.
+TEST(Geodetic, ErrorsOfGnssVectorsAreAsLargeAsTheirSigmas) {
+  double squares = 0, residuals = 0, redundancy = 0;
+  constexpr int kBlocks = 100;
+  const Eigen::Matrix3d root = (Eigen::Matrix3d() << 5e-3, 0, 0, 2e-3, 4e-3, 0, -3e-3, 1e-3, 9e-3).finished();
+  for (int i = 0; i < kBlocks; ++i) {
+    const auto seed = static_cast<std::uint64_t>(i + 1);
+    Marked made = marked({.rows = 2, .columns = 3, .points = 60, .sigma_px = 0.5, .seed = seed});
+    Random random(seed, 9);
+    std::uint32_t number = 0;
+    const auto measure = [&](std::uint32_t from, std::uint32_t to, ControlRole role) {
+      GnssVector vector{.covariance_m2 = root * root.transpose()};
+      vector.vector = made.truth.at({to}) - made.truth.at({from}) + root * normal3(random);
+      const GeodeticObservation common{.from = {from}, .to = {to}, .role = role, .setup = number++};
+      const auto parts = observations_of(vector, common);
+      made.block.geodetic.insert(made.block.geodetic.end(), parts->begin(), parts->end());
+    };
+    measure(0, 3, ControlRole::kControl);
+    measure(1, 4, ControlRole::kControl);
+    measure(2, 6, ControlRole::kControl);
+    measure(5, 7, ControlRole::kCheck);
+    ExamineOptions options = tested(Calibration::kFocal);
+    options.test.sigma0_known = true;
+    const auto adjusted = examine(made.block, {}, options, kRun);
+    ASSERT_TRUE(adjusted && adjusted->geodetic.size() == 12) << i;
+    EXPECT_EQ(adjusted->rank_defect, 3);
+    for (std::size_t k = 9; k < 12; ++k) {
+      const GeodeticObservation& check = made.block.geodetic[k];
+      const double truth = check.along.dot(made.truth.at(check.to) - made.truth.at(check.from));
+      squares += std::pow((adjusted->geodetic[k].adjusted - truth) / adjusted->geodetic[k].sigma, 2) / 3;
+    }
+    const GroupSums& group = adjusted->reliability->groups[std::size_t(ObservationGroup::kGnssVector)];
+    residuals += group.squares;
+    redundancy += group.redundancy;
+  }
+  EXPECT_NEAR(squares / kBlocks, 1, 4 * std::sqrt(2.0 / kBlocks));
+  EXPECT_NEAR(residuals / redundancy, 1, 4 * std::sqrt(2 / redundancy));
+}
+
+// One wrong component is found, and all of the vector goes: its parts are one measurement.
+TEST(Geodetic, AWrongGnssVectorIsRejectedAsAWhole) {
+  Marked made = marked({.sigma_px = 0.5});
+  Random random(4);
+  for (std::uint32_t i = 1; i < 7; ++i) {
+    GnssVector vector{.covariance_m2 = Eigen::Vector3d(2e-5, 3e-5, 9e-5).asDiagonal()};
+    vector.vector = made.truth.at({i}) - made.truth.at({0}) + 0.005 * normal3(random);
+    if (i == 3) vector.vector.x() += 0.2;
+    const auto parts = observations_of(vector, {.from = {0}, .to = {i}, .setup = i});
+    made.block.geodetic.insert(made.block.geodetic.end(), parts->begin(), parts->end());
+  }
+  const auto snooped = snoop(made.block, {}, tested(Calibration::kFocalRadial), 100, kRun);
+  ASSERT_TRUE(snooped) << snooped.error().message;
+  for (const GeodeticDifference& one : snooped->adjusted.geodetic)
+    EXPECT_EQ(one.used, made.block.geodetic[one.observation].setup != 3) << one.observation;
 }
 
 TEST(Geodetic, AGrossErrorInADistanceIsFound) {

@@ -30,6 +30,7 @@ constexpr GroupWords kGroups[] = {
     {ObservationGroup::kOnPlane, "planes"},
     {ObservationGroup::kOnLine, "lines"},
     {ObservationGroup::kAzimuth, "azimuths"},
+    {ObservationGroup::kGnssVector, "GNSS vectors"},
     {ObservationGroup::kAttitudeLevel, "attitudes, level"},
     {ObservationGroup::kAttitudeHeading, "attitudes, heading"},
 };

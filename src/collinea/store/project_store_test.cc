@@ -91,6 +91,11 @@ Block setup_block() {
       {GeodeticKind::kZenithAngle, "to the tower", {9}, {2}, 1.0 / 3, 1e-5, ControlRole::kCheck, 7, 1.6, 0.1});
   block.geodetic.push_back(
       {.kind = GeodeticKind::kOnLine, .name = "kerb", .from = {9}, .to = {9}, .sigma = 0.01, .setup = 0, .axis = 1});
+  GeodeticObservation vector{
+      .kind = GeodeticKind::kGnssVector, .from = {9}, .to = {2}, .sigma = 0.01, .setup = 3, .axis = 2};
+  vector.along = {0.48, 0.6, 0.64};
+  vector.is_local = true;
+  block.geodetic.push_back(vector);
   return block;
 }
 
@@ -168,6 +173,8 @@ void expect_same_control(const Block& a, const Block& b) {
               std::tie(other.kind, other.name, other.from, other.to, other.role, other.setup, other.axis));
     EXPECT_EQ(std::tie(one.value, one.sigma, one.instrument_height_m, one.target_height_m),
               std::tie(other.value, other.sigma, other.instrument_height_m, other.target_height_m));
+    EXPECT_EQ(one.along, other.along);
+    EXPECT_EQ(one.is_local, other.is_local);
   }
   ASSERT_EQ(a.control_observations.size(), b.control_observations.size());
   for (std::size_t i = 0; i < a.control_observations.size(); ++i) {

@@ -81,6 +81,12 @@ struct Azimuth {
   static GeodeticModel model(const Sight& sight);
 };
 
+/// Part of the vector between the antennas along a direction that is known [m].
+struct GnssVector {
+  static constexpr GeodeticKind kKind = GeodeticKind::kGnssVector;
+  static GeodeticModel model(const Sight& sight);
+};
+
 /// A point that lies on a shape, and what describes the shape against its frame.
 struct ShapePoint {
   const GeodeticObservation& observation;
@@ -129,7 +135,7 @@ struct OnLine {
 };
 
 /// The closed list: what is measured between two points, and the shapes that points lie on.
-using SightKinds = std::tuple<Distance, HeightDifference, Direction, ZenithAngle, Azimuth>;
+using SightKinds = std::tuple<Distance, HeightDifference, Direction, ZenithAngle, Azimuth, GnssVector>;
 using ShapeKinds = std::tuple<CommonHeight, OnPlane, OnLine>;
 static_assert(std::tuple_size_v<SightKinds> + std::tuple_size_v<ShapeKinds> == kGeodeticKinds);
 

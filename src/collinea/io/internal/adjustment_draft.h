@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "collinea/block/gnss_vector.h"
 #include "collinea/io/adjustment_file.h"
 #include "collinea/io/internal/adjustment_instruments.h"
 #include "collinea/io/internal/adjustment_line.h"
@@ -32,6 +33,8 @@ struct AdjustmentDraft {
     std::size_t line;
     std::string from, to;
     GeodeticObservation measured;
+    GnssVector vector;           ///< of kGnssVector
+    bool is_geocentric = false;  ///< it is along the axes of the Earth
   };
 
   struct Tie {

@@ -206,7 +206,12 @@ Result<> write_geodetic(Database& db, const std::vector<GeodeticObservation>& ge
                                       static_cast<std::uint32_t>(one.role), one.setup})
       numbers.put(value);
     for (const double value : {one.value, one.sigma, one.instrument_height_m, one.target_height_m}) numbers.put(value);
-    if (one.is_of_shape()) numbers.put(static_cast<std::uint32_t>(one.axis));
+    const bool is_vector = one.kind == GeodeticKind::kGnssVector;
+    if (one.is_of_shape() || is_vector) numbers.put(static_cast<std::uint32_t>(one.axis));
+    if (is_vector) {
+      put(numbers, one.along);
+      numbers.put(static_cast<std::uint32_t>(one.is_local));
+    }
     insert.bind(static_cast<std::int64_t>(i)).bind_text(one.name);
     COLLINEA_TRY(insert.bind_blob(numbers.bytes()).run());
   }
@@ -228,8 +233,15 @@ Result<> read_geodetic(Database& db, std::vector<GeodeticObservation>& geodetic)
     for (double* value : {&one.value, &one.sigma, &one.instrument_height_m, &one.target_height_m}) numbers.get(*value);
     one.kind = static_cast<GeodeticKind>(kind);
     std::uint32_t axis = 0;
-    if (one.is_of_shape()) numbers.get(axis);
-    if (!numbers.done() || kind >= kGeodeticKinds || role > 1 || axis > 1)
+    const bool is_vector = one.kind == GeodeticKind::kGnssVector;
+    if (one.is_of_shape() || is_vector) numbers.get(axis);
+    std::uint32_t is_local = 0;
+    if (is_vector) {
+      get(numbers, one.along);
+      numbers.get(is_local);
+    }
+    one.is_local = is_local != 0;
+    if (!numbers.done() || kind >= kGeodeticKinds || role > 1 || axis > (is_vector ? 2 : 1))
       return damaged("a measurement on the ground");
     one.axis = static_cast<int>(axis);
     one.role = static_cast<ControlRole>(role);
