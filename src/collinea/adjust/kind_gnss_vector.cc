@@ -11,7 +11,7 @@ GeodeticModel GnssVector::model(const Sight& sight) {
   GeodeticModel model;
   Eigen::Vector3d along = sight.observation.along;
   if (sight.observation.is_local) {
-    const Eigen::Vector3d up = up_at(sight.from, sight.earth), east = sight.earth.pole.cross(up).normalized();
+    const Eigen::Vector3d up = normal_at(sight.from, sight.earth), east = sight.earth.pole.cross(up).normalized();
     along = east * along.x() + up.cross(east) * along.y() + up * along.z();
   }
   model.computed = along.dot(sight.line);

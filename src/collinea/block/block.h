@@ -22,6 +22,9 @@ namespace collinea {
 struct Georeference {
   std::string crs;  ///< what PROJ understands: "EPSG:32633", "EPSG:32633+5773", WKT
   double origin_latitude_deg = 0, origin_longitude_deg = 0, origin_height_m = 0;  ///< ellipsoidal
+  /// Deflection of the vertical, the same over all of the block: by how much the plumb line points north (xi) and east
+  /// (eta) of the ellipsoid's normal. Of levelled instruments alone; projects do not keep it.
+  double deflection_north_rad = 0, deflection_east_rad = 0;
 };
 
 /// Where a camera says it was (GNSS), with standard deviations along x, y, z of the world frame.

@@ -21,6 +21,7 @@ constexpr std::string_view kHead = R"(collinea-adjustment 1
 # Measurements and all that is known beforehand, for collinea adjust --import. Metres, pixels, degrees.
 # A name with blanks stands in double quotes; - means not given; a # begins a remark.
 #   georeference CRS LATITUDE LONGITUDE HEIGHT   position of the frame (x east, y north, z up) on the Earth
+#   deflection NORTH EAST                        of the plumb line from the ellipsoid's normal ["]
 #   camera NAME WIDTH HEIGHT MODEL [sigmas_after_correction]    size [px]; MODEL: brown or brown_of_measured
 #   parameter CAMERA WHICH VALUE HOW [GIVEN]     HOW: fixed, free, or the standard deviation of GIVEN (else of VALUE)
 #   image NAME CAMERA
@@ -209,13 +210,24 @@ void write_instruments(const Instruments& instruments, const std::map<CameraId, 
 
 }  // namespace
 
+namespace {
+
+std::string deflection_line(const Georeference& place) {
+  if (place.deflection_north_rad == 0 && place.deflection_east_rad == 0) return "";
+  constexpr double kArcsecond = kDegree / 3600;
+  return "deflection " + exact(place.deflection_north_rad / kArcsecond) + " " +
+         exact(place.deflection_east_rad / kArcsecond) + "\n";
+}
+
+}  // namespace
+
 std::string adjustment_file_text(const AdjustmentFile& file) {
   const Block& block = file.block;
   std::string text(kHead);
   if (const auto& georeference = block.georeference)
     text += "\ngeoreference " + in_quotes(on_one_line(georeference->crs)) + " " +
             exact(georeference->origin_latitude_deg) + " " + exact(georeference->origin_longitude_deg) + " " +
-            exact(georeference->origin_height_m) + "\n";
+            exact(georeference->origin_height_m) + "\n" + deflection_line(*georeference);
   const auto cameras = unique_names<CameraId>(block.cameras, [](const Camera& camera) { return camera.name; });
   const auto images = unique_names<ImageId>(block.images, [](const Image& image) { return image.file; });
   const auto control = unique_names<ControlId>(block.control, [](const ControlPoint& point) { return point.name; });

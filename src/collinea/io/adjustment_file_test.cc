@@ -286,6 +286,23 @@ TEST(AdjustmentFile, GnssVectorsComeBack) {
   EXPECT_TRUE(error("vector local T1 T2 1 2 3 1 0 0 1 0 1 check 1\n").starts_with("line 9: behind the role"));
 }
 
+TEST(AdjustmentFile, ADeflectionBelongsToAGeoreference) {
+  const std::string head =
+      "collinea-adjustment 1\ncamera wide 4000 3000 brown\nparameter wide f 3000 fixed\nimage a wide\n"
+      "control T1 1 2 3 0 0 0\nmeasured_control a T1 10 20 0.5\ndeflection 7.5 -3\n";
+  const auto file = parse_adjustment_file(head + "georeference EPSG:32633 48 15 300\n");
+  ASSERT_TRUE(file) << file.error().message;
+  constexpr double kArcseconds = 180 * 3600 / std::numbers::pi;
+  EXPECT_NEAR(file->block.georeference->deflection_north_rad * kArcseconds, 7.5, 1e-12);
+  EXPECT_NEAR(file->block.georeference->deflection_east_rad * kArcseconds, -3, 1e-12);
+  const auto again = parse_adjustment_file(adjustment_file_text(*file));
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_NEAR(again->block.georeference->deflection_north_rad * kArcseconds, 7.5, 1e-12);
+  EXPECT_EQ(parse_adjustment_file(head).error().message,
+            "line 7: a deflection is that from the ellipsoid: there is no line georeference");
+  EXPECT_EQ(parse_adjustment_file(head + "deflection 1 1\n").error().message, "line 8: a second deflection");
+}
+
 TEST(AdjustmentFile, SaysInWhichLineWhatIsWrong) {
   const std::pair<const char*, const char*> cases[] = {
       {"measured_tie b 7 1 2 0.5\n", "line 16: point \"7\" is measured twice in \"b\", before in line 14"},

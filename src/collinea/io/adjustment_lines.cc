@@ -121,6 +121,17 @@ Result<> take_georeference(const Line& line, Draft& draft) {
   return {};
 }
 
+Result<> take_deflection(const Line& line, Draft& draft) {
+  if (draft.deflection_rad) return bad_line(line.number, "a second deflection");
+  Eigen::Vector2d seconds;
+  COLLINEA_TRY(seconds[0], finite(line, 1, "a deflection"));
+  COLLINEA_TRY(seconds[1], finite(line, 2, "a deflection"));
+  if (seconds.cwiseAbs().maxCoeff() > 300)
+    return bad_line(line.number, "no plumb line is deflected by more than 300 seconds of arc");
+  draft.deflection_rad = {line.number, seconds * (kDegree / 3600)};
+  return {};
+}
+
 std::string listed(std::span<const std::string_view> names) {
   std::string text;
   for (const auto one : names) text += " " + std::string(one);
@@ -420,6 +431,7 @@ struct Rule {
 Result<> take_adjustment_line(const AdjustmentLine& line, AdjustmentDraft& draft) {
   static constexpr Rule kRules[] = {
       {"georeference", "CRS LATITUDE LONGITUDE HEIGHT", 4, 4, take_georeference},
+      {"deflection", "NORTH EAST", 2, 2, take_deflection},
       {"camera", "NAME WIDTH HEIGHT MODEL [sigmas_after_correction]", 4, 5, take_camera},
       {"parameter", "CAMERA WHICH VALUE fixed|free|SIGMA [GIVEN]", 4, 5, take_parameter},
       {"image", "NAME CAMERA", 2, 2, take_image},

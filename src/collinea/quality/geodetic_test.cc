@@ -46,13 +46,16 @@ TEST(GeodeticModel, DerivativesAreThoseOfDifferences) {
                                       .target_height_m = 0.3,
                                       .along = {0.48, -0.6, 0.64},
                                       .is_local = i % 2 == 0};
-        const GeodeticModel model = geodetic_model(one, from, to, 0.4, {curved});
+        const Earth earth{.is_round = curved,
+                          .pole = {0, 0.6, 0.8},
+                          .deflection_rad = curved ? Eigen::Vector2d(1e-4, -2e-4) : Eigen::Vector2d::Zero()};
+        const GeodeticModel model = geodetic_model(one, from, to, 0.4, earth);
         constexpr double kStep_m = 1e-3;
         for (int c = 0; c < 3; ++c) {
           const Eigen::Vector3d step = kStep_m * Eigen::Vector3d::Unit(c);
           const auto slope = [&](const Eigen::Vector3d& df, const Eigen::Vector3d& dt) {
-            const double change = geodetic_model(one, from + df, to + dt, 0.4, {curved}).computed -
-                                  geodetic_model(one, from - df, to - dt, 0.4, {curved}).computed;
+            const double change = geodetic_model(one, from + df, to + dt, 0.4, earth).computed -
+                                  geodetic_model(one, from - df, to - dt, 0.4, earth).computed;
             return (one.is_angle() ? std::remainder(change, 2 * std::numbers::pi) : change) / (2 * kStep_m);
           };
           // What the derivatives leave out of a round Earth: 1e-6 times what they are where lines are not steep; of a
@@ -61,7 +64,7 @@ TEST(GeodeticModel, DerivativesAreThoseOfDifferences) {
           EXPECT_NEAR(slope(step, {0, 0, 0}), model.by_from[c], tolerance) << static_cast<int>(kind);
           EXPECT_NEAR(slope({0, 0, 0}, step), model.by_to[c], tolerance) << static_cast<int>(kind);
         }
-        const double rotated = geodetic_model(one, from, to, 0.4 + 1e-3, {curved}).computed - model.computed;
+        const double rotated = geodetic_model(one, from, to, 0.4 + 1e-3, earth).computed - model.computed;
         EXPECT_NEAR(rotated, 1e-3 * model.by_auxiliary[0], 1e-12);
       }
   }
@@ -78,6 +81,55 @@ TEST(GeodeticModel, MeridiansConverge) {
   const double convergence = 1000 / 6371000.0 * std::tan(latitude);
   EXPECT_NEAR(geodetic_model(one, there, here, 0, earth).computed, -std::numbers::pi / 2 + convergence, 1e-8);
   EXPECT_NEAR(geodetic_model(one, there, here, 0, {}).computed, -std::numbers::pi / 2, 1e-12);
+}
+
+// Ten seconds of arc to the north: a level line to the north falls by 48 mm below the ellipsoid in a kilometre, a
+// target there is seen nearer to the zenith. Laplace: the astronomical azimuth is larger by eta tan(latitude).
+TEST(GeodeticModel, TheDeflectionTiltsWhatIsLevelled) {
+  constexpr double kTilt_rad = 10 * std::numbers::pi / 180 / 3600;
+  const double latitude = 48 * std::numbers::pi / 180;
+  const Earth plain{.is_round = true, .pole = {0, std::cos(latitude), std::sin(latitude)}};
+  Earth north = plain, east = plain;
+  north.deflection_rad = {kTilt_rad, 0};
+  east.deflection_rad = {0, kTilt_rad};
+  const Eigen::Vector3d here(0, 0, 0), there(0, 1000, 0);
+  const auto change = [&](GeodeticKind kind, const Earth& earth) {
+    const GeodeticObservation one{.kind = kind};
+    return geodetic_model(one, here, there, 0, earth).computed - geodetic_model(one, here, there, 0, plain).computed;
+  };
+  EXPECT_NEAR(change(GeodeticKind::kHeightDifference, north), 0.04848, 1e-5);
+  EXPECT_NEAR(change(GeodeticKind::kZenithAngle, north), -kTilt_rad, 1e-9);
+  EXPECT_NEAR(change(GeodeticKind::kHeightDifference, east), 0, 1e-9);
+  EXPECT_NEAR(change(GeodeticKind::kAzimuth, east), kTilt_rad * std::tan(latitude), 1e-8);
+  EXPECT_NEAR(change(GeodeticKind::kDistance, east), 0, 1e-12);
+}
+
+// Levelled heights and zenith angles fit control once the plumb line is where it was.
+TEST(Geodetic, TheDeflectionOfTheBlockIsTakenFromItsGeoreference) {
+  Marked made = marked({.rows = 2, .columns = 3, .points = 60});
+  const double latitude = 48 * std::numbers::pi / 180;
+  const Earth earth{
+      .is_round = true, .pole = {0, std::cos(latitude), std::sin(latitude)}, .deflection_rad = {2e-3, -1e-3}};
+  for (auto& [id, point] : made.block.control) point.sigma_m.setConstant(0.001);
+  for (std::uint32_t to = 1; to < 6; ++to)
+    for (const GeodeticKind kind : {GeodeticKind::kHeightDifference, GeodeticKind::kZenithAngle}) {
+      GeodeticObservation one{.kind = kind, .from = {0}, .to = {to}, .sigma = 1e-3, .role = ControlRole::kCheck};
+      one.value = geodetic_model(one, made.truth.at({0}), made.truth.at({to}), 0, earth).computed;
+      made.block.geodetic.push_back(one);
+    }
+  const auto largest = [&] {
+    const auto adjusted = examine(made.block, {}, tested(), kRun);
+    EXPECT_TRUE(adjusted && adjusted->geodetic.size() == 10);
+    double difference = 0;
+    for (const GeodeticDifference& one : adjusted->geodetic)
+      difference = std::max(difference, std::abs(one.difference));
+    return difference;
+  };
+  made.block.georeference = Georeference{"EPSG:32633", 48, 15, 300};
+  EXPECT_GT(largest(), 0.01);
+  made.block.georeference->deflection_north_rad = 2e-3;
+  made.block.georeference->deflection_east_rad = -1e-3;
+  EXPECT_LT(largest(), 1e-6);
 }
 
 TEST(GeodeticModel, TheEarthIsRound) {

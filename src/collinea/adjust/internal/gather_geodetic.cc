@@ -25,7 +25,9 @@ UnknownKind unknown_of(GeodeticKind kind) {
 Earth earth_of(const Block& block) {
   if (!block.georeference) return {};
   const double latitude = block.georeference->origin_latitude_deg * std::numbers::pi / 180;
-  return {.is_round = true, .pole = {0, std::cos(latitude), std::sin(latitude)}};
+  return {.is_round = true,
+          .pole = {0, std::cos(latitude), std::sin(latitude)},
+          .deflection_rad = {block.georeference->deflection_north_rad, block.georeference->deflection_east_rad}};
 }
 
 /// The points of a shape that take part: those that determine it, and all.

@@ -21,6 +21,8 @@ struct Earth {
   /// z is up everywhere.
   bool is_round = false;
   Eigen::Vector3d pole = Eigen::Vector3d::UnitY();  ///< axis of the Earth, northwards: north is what of it is level
+  /// By which the plumb line points north and east of the normal of a round Earth; heights count across it.
+  Eigen::Vector2d deflection_rad = Eigen::Vector2d::Zero();
 };
 
 /// A measurement on the ground as points and unknowns of its own predict it, with its derivatives.
@@ -150,7 +152,9 @@ constexpr void visit_kind(GeodeticKind kind, Visit&& visit) {
 /// Radius of the Earth, a sphere [m].
 inline constexpr double kEarthRadius_m = 6371000;
 
-/// The plumb line at a point, upwards, and the height of the point above the origin of the world.
+/// The normal of the Earth at a point, the plumb line there, both upwards, and the height of the point above the level
+/// of the origin of the world.
+[[nodiscard]] Eigen::Vector3d normal_at(const Eigen::Vector3d& point, const Earth& earth);
 [[nodiscard]] Eigen::Vector3d up_at(const Eigen::Vector3d& point, const Earth& earth);
 [[nodiscard]] double height_of(const Eigen::Vector3d& point, const Earth& earth);
 

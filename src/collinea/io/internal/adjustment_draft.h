@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -49,6 +50,7 @@ struct AdjustmentDraft {
   std::set<std::pair<CameraId, std::size_t>> parameters;
   std::vector<Measured> measured;
   std::vector<GeodeticLine> geodetic;
+  std::optional<std::pair<std::size_t, Eigen::Vector2d>> deflection_rad;  // line; north, east
   InstrumentLines instruments;
   std::map<GeodeticKind, std::map<std::string, std::uint32_t>> shapes;
   std::vector<std::pair<std::size_t, ControlId>> in_map;  // lines and points
