@@ -55,13 +55,13 @@ Eigen::Vector3d geocentric(const Eigen::Vector3d& lat_lon_height) {
 }
 
 TEST(GnssVector, AxesOfTheEarthAreTurnedToThoseOfTheWorld) {
-  const Georeference place{"EPSG:32633", 48.2, 15.63, 300};
-  const auto frame = world_frame(place);
+  const Georeference position{"EPSG:32633", 48.2, 15.63, 300};
+  const auto frame = world_frame(position);
   ASSERT_TRUE(frame);
   const Eigen::Vector3d from(1200, -700, 40), to(-300, 2500, -15);
   const Eigen::Vector3d vector =
       geocentric(frame->geographic_from_local(to)) - geocentric(frame->geographic_from_local(from));
-  EXPECT_LT((world_from_geocentric(place) * vector - (to - from)).norm(), 1e-6);
+  EXPECT_LT((world_from_geocentric(position) * vector - (to - from)).norm(), 1e-6);
 }
 
 }  // namespace

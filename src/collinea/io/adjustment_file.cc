@@ -212,11 +212,11 @@ void write_instruments(const Instruments& instruments, const std::map<CameraId, 
 
 namespace {
 
-std::string deflection_line(const Georeference& place) {
-  if (place.deflection_north_rad == 0 && place.deflection_east_rad == 0) return "";
+std::string deflection_line(const Georeference& georeference) {
+  if (georeference.deflection_north_rad == 0 && georeference.deflection_east_rad == 0) return "";
   constexpr double kArcsecond = kDegree / 3600;
-  return "deflection " + exact(place.deflection_north_rad / kArcsecond) + " " +
-         exact(place.deflection_east_rad / kArcsecond) + "\n";
+  return "deflection " + exact(georeference.deflection_north_rad / kArcsecond) + " " +
+         exact(georeference.deflection_east_rad / kArcsecond) + "\n";
 }
 
 }  // namespace

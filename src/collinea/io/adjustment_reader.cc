@@ -141,10 +141,11 @@ Result<AdjustmentFile> finish(Draft draft, std::size_t lines) {
       return bad_line(lines,
                       "camera " + shown(name) + " has no focal length: add a line parameter " + name + " f VALUE HOW");
   if (const auto& given = draft.deflection_rad) {
-    auto& place = draft.file.block.georeference;
-    if (!place) return bad_line(given->first, "a deflection is that from the ellipsoid: there is no line georeference");
-    place->deflection_north_rad = given->second[0];
-    place->deflection_east_rad = given->second[1];
+    auto& frame_given = draft.file.block.georeference;
+    if (!frame_given)
+      return bad_line(given->first, "a deflection is that from the ellipsoid: there is no line georeference");
+    frame_given->deflection_north_rad = given->second[0];
+    frame_given->deflection_east_rad = given->second[1];
   }
   COLLINEA_TRY(sort_measured(draft));
   COLLINEA_TRY(const std::optional<LocalFrame> frame, world_frame(draft.file.block));

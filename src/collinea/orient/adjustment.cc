@@ -162,9 +162,9 @@ Result<> set_deflection(const AdjustmentOptions& asked, Block& block) {
                 "the deflection of the vertical is that from the ellipsoid: it needs a block with a location on Earth",
                 {"deflection_north_arcsec"_option, "deflection_east_arcsec"_option});
   constexpr double kArcsecond = std::numbers::pi / 180 / 3600;
-  Georeference& place = *block.georeference;
-  if (const auto& north = asked.deflection_north_arcsec) place.deflection_north_rad = *north * kArcsecond;
-  if (const auto& east = asked.deflection_east_arcsec) place.deflection_east_rad = *east * kArcsecond;
+  Georeference& frame = *block.georeference;
+  if (const auto& north = asked.deflection_north_arcsec) frame.deflection_north_rad = *north * kArcsecond;
+  if (const auto& east = asked.deflection_east_arcsec) frame.deflection_east_rad = *east * kArcsecond;
   return {};
 }
 

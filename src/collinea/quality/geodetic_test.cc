@@ -274,14 +274,14 @@ TEST(Geodetic, ErrorsOfAzimuthsAreAsLargeAsTheirSigmas) {
 
 // East, north and up of a receiver three kilometres from the origin are those of the ellipsoid there.
 TEST(GeodeticModel, LocalAxesOfAVectorAreThoseOfItsFirstPoint) {
-  const Georeference place{"EPSG:32633", 48.2, 15.63, 300};
-  const auto frame = world_frame(place);
+  const Georeference position{"EPSG:32633", 48.2, 15.63, 300};
+  const auto frame = world_frame(position);
   ASSERT_TRUE(frame);
-  const double latitude = place.origin_latitude_deg * std::numbers::pi / 180;
+  const double latitude = position.origin_latitude_deg * std::numbers::pi / 180;
   const Earth earth{.is_round = true, .pole = {0, std::cos(latitude), std::sin(latitude)}};
   const Eigen::Vector3d from(2000, -2300, 40), to(2600, -1400, 15);
   const Eigen::Vector3d there = frame->geographic_from_local(from);
-  const auto at = LocalFrame::create(place.crs, there.x(), there.y(), there.z());
+  const auto at = LocalFrame::create(position.crs, there.x(), there.y(), there.z());
   ASSERT_TRUE(at);
   const Eigen::Vector3d local = at->local_from_geographic(frame->geographic_from_local(to));
   for (int axis = 0; axis < 3; ++axis) {
