@@ -186,6 +186,23 @@ TEST_F(DbatScript, XmlIsReadAsFarAsAnyoneWritesIt) {
             std::string::npos);
 }
 
+// Of lens model 3 a measured point is sheared first and corrected then, as ours is: x = (1 + b1) x' + b2 y', y upwards.
+TEST_F(DbatScript, TheSkewOfModel3IsOurs) {
+  const auto file = read(with("<model>", "<aspect>0.99</aspect><skew>2e-3</skew><model>"));
+  ASSERT_TRUE(file) << file.error().message;
+  const Camera& camera = file->block.cameras.at({0});
+  const double f = camera.params[Camera::kF], mm = 6.0 / 1500, focal_mm = f * mm;
+  EXPECT_NEAR(camera.params[Camera::kB2], f * 2e-3 / 1.01, 1e-9);
+  const Eigen::Vector2d pixel(1634.5, 402.25);
+  const double y = mm * (camera.params[Camera::kCy] - pixel.y());
+  const double x = mm * (pixel.x() - camera.params[Camera::kCx]) * 1.01 + 2e-3 * y, r2 = x * x + y * y;
+  const Eigen::Vector2d corrected = Eigen::Vector2d(x, -y) * (1 + 1e-3 * r2) / focal_mm;  // K1 of the script
+  EXPECT_LT((normalized(camera, pixel) - corrected).norm(), 1e-12);
+  for (const char* model : {"4", "5"})
+    EXPECT_NE(error_of(with("<model>3", std::string("<model>") + model)).find("behind the correction of the lens"),
+              std::string::npos);
+}
+
 TEST_F(DbatScript, MarksMayHaveAStandardDeviationForEachAxis) {
   const auto file = read(with("sxy=\"0.5\"", "sx=\"0.5\" sy=\"0.6\""));
   ASSERT_TRUE(file) << file.error().message;
