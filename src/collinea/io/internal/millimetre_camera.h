@@ -16,12 +16,12 @@ struct MillimetreCamera {
   int width_px = 0, height_px = 0;
   double pixel_height_mm = 0;
   double off_aspect = 0;  ///< width of a pixel over its height, less 1
-  double skew = 0;        ///< shear of the columns
   double focal_mm = 0;
   std::array<double, 2> principal_mm{};
   std::array<double, 3> k{};  ///< [mm^-2, mm^-4, mm^-6]
   std::array<double, 2> p{};  ///< [mm^-1]
   bool forward = false;
+  double skew = 0;  ///< shear of the columns
 };
 
 /// The same camera in pixels. Pixels are counted as they were: their origin stays where the other program has it.
