@@ -8,11 +8,11 @@
 namespace collinea {
 
 GeodeticModel geodetic_model(const GeodeticObservation& observation, const Eigen::Vector3d& from,
-                             const Eigen::Vector3d& to, double orientation_rad, bool level_at_origin) {
-  const Eigen::Vector3d up = geodetic::up_at(from, level_at_origin), up_there = geodetic::up_at(to, level_at_origin);
+                             const Eigen::Vector3d& to, double orientation_rad, const Earth& earth) {
+  const Eigen::Vector3d up = geodetic::up_at(from, earth), up_there = geodetic::up_at(to, earth);
   const Eigen::Vector3d line =
       to - from + observation.target_height_m * up_there - observation.instrument_height_m * up;
-  const geodetic::Sight sight{observation, from, to, up, up_there, line, orientation_rad, level_at_origin};
+  const geodetic::Sight sight{observation, from, to, up, up_there, line, orientation_rad, earth};
   GeodeticModel model;  // shape_model() knows the others
   geodetic::visit_kind<geodetic::SightKinds>(observation.kind, [&]<class Kind>() { model = Kind::model(sight); });
   return model;
@@ -38,8 +38,8 @@ std::optional<GeodeticShape> shape_through(GeodeticKind kind, const std::vector<
 }
 
 GeodeticModel shape_model(const GeodeticObservation& observation, const GeodeticShape& shape, const double* unknowns,
-                          const Eigen::Vector3d& point, bool level_at_origin) {
-  const geodetic::ShapePoint at{observation, shape, unknowns, point, level_at_origin};
+                          const Eigen::Vector3d& point, const Earth& earth) {
+  const geodetic::ShapePoint at{observation, shape, unknowns, point, earth};
   GeodeticModel model;
   geodetic::visit_kind<geodetic::ShapeKinds>(observation.kind, [&]<class Shape>() { model = Shape::model(at); });
   return model;

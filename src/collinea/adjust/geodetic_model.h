@@ -33,14 +33,13 @@ namespace collinea {
 /// began). `unknowns`: of a height one, of a plane offset and two tilts, of a line offset and tilt along
 /// observation.axis.
 [[nodiscard]] GeodeticModel shape_model(const GeodeticObservation& observation, const GeodeticShape& shape,
-                                        const double* unknowns, const Eigen::Vector3d& point, bool level_at_origin);
+                                        const double* unknowns, const Eigen::Vector3d& point, const Earth& earth);
 
-/// `level_at_origin`: the z axis of the world is the plumb line at its origin and the Earth is a sphere there, of mean
-/// radius; otherwise z is up everywhere. Zenith angles are bent by refraction then (k = 0.13). `orientation_rad`:
+/// Where the Earth is round zenith angles are bent by refraction (k = 0.13). `orientation_rad`:
 /// azimuth of zero of the horizontal circle, used by directions. Nothing is defined where the points coincide (or, for
 /// directions, stand above each other): derivatives are zero then.
 [[nodiscard]] GeodeticModel geodetic_model(const GeodeticObservation& observation, const Eigen::Vector3d& from,
-                                           const Eigen::Vector3d& to, double orientation_rad, bool level_at_origin);
+                                           const Eigen::Vector3d& to, double orientation_rad, const Earth& earth);
 
 /// Observed minus computed; angles between -pi and pi.
 [[nodiscard]] double geodetic_residual(const GeodeticObservation& observation, const GeodeticModel& model);

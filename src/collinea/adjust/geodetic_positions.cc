@@ -28,16 +28,19 @@ struct Sight {
 
 struct SetUp {
   ControlId station;
+  bool is_oriented = false;  ///< zero of its circle is north: azimuths
   std::vector<Sight> sights;
 };
 
 std::vector<SetUp> setups_of(const Block& block, const std::vector<std::uint32_t>& links) {
-  std::map<std::uint32_t, SetUp> setups;
+  std::map<std::pair<bool, std::uint32_t>, SetUp> setups;  // by the numbers of set-ups, azimuths by those of points
   for (const std::uint32_t link : links) {
     const GeodeticObservation& one = block.geodetic[link];
-    if (one.kind != GeodeticKind::kDirection) continue;
-    SetUp& setup = setups[one.setup];
+    const bool is_azimuth = one.kind == GeodeticKind::kAzimuth;
+    if (one.kind != GeodeticKind::kDirection && !is_azimuth) continue;
+    SetUp& setup = setups[{is_azimuth, is_azimuth ? one.from.value : one.setup}];
     setup.station = one.from;
+    setup.is_oriented = is_azimuth;
     setup.sights.push_back({one.to, one.value, {}, {}, one.instrument_height_m, one.target_height_m});
   }
   std::vector<SetUp> all;
@@ -55,11 +58,33 @@ std::vector<SetUp> setups_of(const Block& block, const std::vector<std::uint32_t
   return all;
 }
 
+/// A GNSS vector from mark to mark.
+struct Vector {
+  ControlId from, to;
+  Eigen::Vector3d line;
+};
+
+std::vector<Vector> vectors_of(const Block& block, const std::vector<std::uint32_t>& links) {
+  std::map<std::uint32_t, std::vector<const GeodeticObservation*>> parts;
+  for (const std::uint32_t link : links)
+    if (const GeodeticObservation& one = block.geodetic[link]; one.kind == GeodeticKind::kGnssVector)
+      parts[one.setup].push_back(&one);
+  std::vector<Vector> vectors;
+  for (const auto& [number, its] : parts) {
+    if (its.size() != 3) continue;
+    Vector vector{its[0]->from, its[0]->to,
+                  (its[0]->instrument_height_m - its[0]->target_height_m) * Eigen::Vector3d::UnitZ()};
+    for (const GeodeticObservation* one : its) vector.line += one->value * one->along;
+    vectors.push_back(vector);
+  }
+  return vectors;
+}
+
 class PositionFinder {
  public:
   PositionFinder(const Block& block, const std::vector<std::uint32_t>& links,
                  std::map<ControlId, Eigen::Vector3d>& positions)
-      : setups_(setups_of(block, links)), positions_(positions) {}
+      : setups_(setups_of(block, links)), vectors_(vectors_of(block, links)), positions_(positions) {}
 
   void find() {
     for (bool found = true; found;) {
@@ -69,6 +94,7 @@ class PositionFinder {
         if (!positions_.contains(setup.station)) found |= locate_station(setup);
         if (positions_.contains(setup.station)) found |= sight_from(setup);
       }
+      for (const Vector& vector : vectors_) found |= go_along(vector);
       for (const auto& [target, rays] : rays_)
         if (!positions_.contains(target)) found |= intersect(target, rays);
     }
@@ -79,13 +105,35 @@ class PositionFinder {
     Eigen::Vector3d from, along;
   };
 
+  bool go_along(const Vector& vector) {
+    const bool is_from = positions_.contains(vector.from);
+    if (is_from == positions_.contains(vector.to)) return false;
+    if (is_from)
+      positions_[vector.to] = Eigen::Vector3d(positions_[vector.from] + vector.line);
+    else
+      positions_[vector.from] = Eigen::Vector3d(positions_[vector.to] - vector.line);
+    return true;
+  }
+
   [[nodiscard]] const Eigen::Vector3d* position_of(ControlId point) const {
     const auto its = positions_.find(point);
     return its == positions_.end() ? nullptr : &its->second;
   }
 
+  // One point is enough where north is known.
+  bool locate_oriented(const SetUp& setup) {
+    for (const Sight& sight : setup.sights)
+      if (const Eigen::Vector3d* position = position_of(sight.target); position && sight.polar()) {
+        const Eigen::Vector3d station = *position - sight.line(0);
+        positions_[setup.station] = station;
+        return true;
+      }
+    return false;
+  }
+
   // Its orientation and position: a rotation about the plumb line and a shift.
   bool locate_station(const SetUp& setup) {
+    if (setup.is_oriented) return locate_oriented(setup);
     std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> pairs;  // as seen from there, in the world
     Eigen::Vector3d middle = Eigen::Vector3d::Zero(), middle_there = middle;
     for (const Sight& sight : setup.sights)
@@ -110,6 +158,7 @@ class PositionFinder {
 
   // Where its circle's zero points to, by the middle of what the points there are say.
   [[nodiscard]] std::optional<double> orientation_of(const SetUp& setup) const {
+    if (setup.is_oriented) return 0;
     const Eigen::Vector3d station = *position_of(setup.station);
     double sine = 0, cosine = 0;
     for (const Sight& sight : setup.sights)
@@ -159,6 +208,7 @@ class PositionFinder {
   }
 
   std::vector<SetUp> setups_;
+  std::vector<Vector> vectors_;
   std::map<ControlId, std::vector<Ray>> rays_;
   std::map<ControlId, Eigen::Vector3d>& positions_;
 };

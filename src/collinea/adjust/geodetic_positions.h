@@ -9,8 +9,9 @@
 namespace collinea::bundle {
 
 /// Approximate positions of points that have none, from those that have: set-ups by what they measured to two such
-/// points or more, targets by direction, zenith angle and distance from a set-up, or by directions and zenith angles of
-/// two. `geodetic`: indices in Block::geodetic of what is used.
+/// points or more (with azimuths to one), targets by direction, zenith angle and distance from a set-up, or by
+/// directions and zenith angles of two, and the other end of a GNSS vector. `geodetic`: indices in Block::geodetic of
+/// what is used.
 void find_positions_by_geodetic(const Block& block, const std::vector<std::uint32_t>& geodetic,
                                 std::map<ControlId, Eigen::Vector3d>& positions);
 

@@ -16,8 +16,8 @@ GeodeticModel model_at(const Problem& problem, const GeodeticLink& link, const E
                        const Eigen::Vector3d& to, const double* auxiliaries) {
   if (link.shape >= 0)
     return shape_model(link.observation, problem.shapes[static_cast<std::size_t>(link.shape)], auxiliaries, from,
-                       problem.level_at_origin);
-  return geodetic_model(link.observation, from, to, auxiliaries ? *auxiliaries : 0, problem.level_at_origin);
+                       problem.earth);
+  return geodetic_model(link.observation, from, to, auxiliaries ? *auxiliaries : 0, problem.earth);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@ namespace collinea::geodetic {
 
 GeodeticModel HeightDifference::model(const Sight& sight) {
   GeodeticModel model;
-  model.computed = height_of(sight.to, sight.level_at_origin) - height_of(sight.from, sight.level_at_origin);
+  model.computed = height_of(sight.to, sight.earth) - height_of(sight.from, sight.earth);
   model.by_to = sight.up_there;
   model.by_from = -sight.up;
   return model;

@@ -18,8 +18,9 @@ struct DatumPart;
 //
 //     x = lens(R (X - c)),
 //
-// with the rotation R (cam_from_world) and the projection centre c. Two coordinates with one sigma and one loss. What
-// the inner loops of the adjustment need is inline.
+// with the rotation R (cam_from_world) and the projection centre c. Two coordinates with one loss, and mostly one
+// sigma; where their covariance is another, Whitening makes two independent ones of them. What the inner loops of the
+// adjustment need is inline.
 
 /// A residual beyond any hope, given to observations whose point is not seen by its image [px].
 inline constexpr double kLost_px = 100;
@@ -35,6 +36,7 @@ struct LinearRay {
   double along[2];  // unit vector of the residual, when shrink > 0
   double shrink;    // by which derivatives along it are shortened for the curvature of the loss
   Projected at;
+  Whitening whitening;
 };
 
 inline void to_camera(const Frame& frame, const double* point, double* in_cam) {
@@ -52,9 +54,11 @@ inline double square_of(const Ray& ray, const Frame& frame, const Lens& lens, co
   Projected at;
   to_camera(frame, point, in_cam);
   if (!project(lens, in_cam, ray.pixel, &at)) return lost_square(ray);
-  const double u = (ray.pixel[0] - at.pixel[0]) * ray.inverse_sigma,
-               v = (ray.pixel[1] - at.pixel[1]) * ray.inverse_sigma;
-  return u * u + v * v;
+  double residual[2] = {(ray.pixel[0] - at.pixel[0]) * ray.inverse_sigma,
+                        (ray.pixel[1] - at.pixel[1]) * ray.inverse_sigma};
+  if (!ray.whitening.is_plain()) [[unlikely]]
+    ray.whitening.apply(residual, 1);
+  return residual[0] * residual[0] + residual[1] * residual[1];
 }
 
 /// Takes n n^T times a part of a 2 x count matrix off it; n is the direction of the residual.
@@ -90,9 +94,13 @@ inline double linearise_as(const Ray& ray, const Frame& frame, const Lens& lens,
     *out = LinearRay{};
     return lost_square(ray);
   }
-  double u = (ray.pixel[0] - out->at.pixel[0]) * ray.inverse_sigma;
-  double v = (ray.pixel[1] - out->at.pixel[1]) * ray.inverse_sigma;
-  const double s = u * u + v * v;
+  double residual[2] = {(ray.pixel[0] - out->at.pixel[0]) * ray.inverse_sigma,
+                        (ray.pixel[1] - out->at.pixel[1]) * ray.inverse_sigma};
+  out->whitening = ray.whitening;
+  const bool is_plain = ray.whitening.is_plain();
+  if (!is_plain) [[unlikely]]
+    ray.whitening.apply(residual, 1);
+  const double u = residual[0], v = residual[1], s = u * u + v * v;
   const double root_rho = loss.kind == Loss::kNone ? 1 : std::sqrt(loss.weight(s));
   const double w = ray.inverse_sigma * root_rho;
   out->residual[0] = u * root_rho;
@@ -104,6 +112,8 @@ inline double linearise_as(const Ray& ray, const Frame& frame, const Lens& lens,
   else
     derive_by_point(lens, out->at, p[2], d);
   for (double& value : d) value *= w;
+  if (!is_plain) [[unlikely]]
+    ray.whitening.apply(d, 3);
   out->shrink = 0;
   if (loss.kind != Loss::kNone) bend(loss, s, d, out);
   for (int row = 0; row < 2; ++row) {
@@ -144,6 +154,8 @@ inline double linearise(const Ray& ray, const Frame& frame, const Lens& lens, co
     by_camera[k] = all[free[k]] * ray.root_weight;
     by_camera[count + k] = all[Camera::kAllParams + free[k]] * ray.root_weight;
   }
+  if (!ray.whitening.is_plain()) [[unlikely]]
+    ray.whitening.apply(by_camera, static_cast<int>(count));
   if (ray.shrink > 0) shrink_along(ray, by_camera, static_cast<int>(count));
 }
 
@@ -191,8 +203,15 @@ struct ImagePoint {
   }
   /// The square of a residual in units of its sigma.
   static double squared(const Problem& problem, const Item& item, const Eigen::Vector2d& residual_px) {
-    const double inverse_sigma = problem.rays[item.ray].inverse_sigma;
-    return residual_px.squaredNorm() * inverse_sigma * inverse_sigma;
+    const Ray& ray = problem.rays[item.ray];
+    if (!ray.whitening.is_plain()) return whitened(ray, residual_px).squaredNorm();
+    return residual_px.squaredNorm() * ray.inverse_sigma * ray.inverse_sigma;
+  }
+  /// A residual in units of its sigma times sigma0, as two independent ones.
+  static Eigen::Vector2d whitened(const Ray& ray, const Eigen::Vector2d& residual_px, double sigma0 = 1) {
+    Eigen::Vector2d residual = residual_px * (ray.inverse_sigma / sigma0);
+    if (!ray.whitening.is_plain()) ray.whitening.apply(residual.data(), 1);
+    return residual;
   }
 
   /// Each free image of a point with the first of them, also with itself; points that are fixed tie nothing.

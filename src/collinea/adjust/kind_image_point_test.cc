@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+
 #include "collinea/adjust/test_block.h"
 
 namespace collinea {
@@ -111,6 +113,8 @@ TEST(Lens, ComparesAfterCorrection) {
   }
 }
 
+const PixelShape kShapes[] = {{}, {1.7F, 0}, {0.6F, -0.8F}};
+
 TEST(Linearise, DerivativesAreThoseOfFiniteDifferences) {
   const Block block = test_block({.tilt_rad = 0.4});
   const Camera& camera = block.cameras.begin()->second;
@@ -118,29 +122,43 @@ TEST(Linearise, DerivativesAreThoseOfFiniteDifferences) {
   const Observation& observation = block.observations.front();
   const Rigid3 pose = pose_of(block, observation.image);
   const Eigen::Vector3d centre = centre_of(pose), point = block.points.at(observation.point).position_in_world;
-  const bundle::Ray ray{{observation.pixel.x() + 1, observation.pixel.y() - 2}, 0.5, 0, 0};
-  const auto residual = [&](const Eigen::Vector3d& rotation, const Eigen::Vector3d& move,
-                            const Eigen::Vector3d& shift) {
-    bundle::LinearRay out;
-    const Eigen::Vector3d moved_centre = centre + move, moved_point = point + shift;
-    linearise(ray, bundle::frame_of(rotation_by(rotation) * pose.rotation, moved_centre.data()), lens,
-              moved_point.data(), Loss{}, &out);
-    return out;
-  };
-  const bundle::LinearRay at = residual({0, 0, 0}, {0, 0, 0}, {0, 0, 0});
-  EXPECT_NEAR(at.residual[0], 0.5, 1e-9);
-  EXPECT_NEAR(at.residual[1], -1, 1e-9);
-  for (int c = 0; c < 3; ++c) {
-    const double h = 1e-5;
-    const Eigen::Vector3d e = h * Eigen::Vector3d::Unit(c), zero = Eigen::Vector3d::Zero();
-    const auto rotated = residual(e, zero, zero), back = residual(-e, zero, zero);
-    const auto shifted = residual(zero, zero, e), shifted_back = residual(zero, zero, -e);
-    const auto moved = residual(zero, e, zero), moved_back = residual(zero, -e, zero);
-    for (int row = 0; row < 2; ++row) {
-      EXPECT_NEAR(at.by_rotation[3 * row + c], -(rotated.residual[row] - back.residual[row]) / (2 * h), 1e-4);
-      EXPECT_NEAR(at.by_point[3 * row + c], -(shifted.residual[row] - shifted_back.residual[row]) / (2 * h), 1e-5);
-      EXPECT_NEAR(-at.by_point[3 * row + c], -(moved.residual[row] - moved_back.residual[row]) / (2 * h), 1e-5);
+  for (const PixelShape& shape : kShapes) {
+    const bundle::Ray ray{
+        {observation.pixel.x() + 1, observation.pixel.y() - 2}, 0.5, 0, 0, bundle::whitening_of(shape)};
+    const auto residual = [&](const Eigen::Vector3d& rotation, const Eigen::Vector3d& move,
+                              const Eigen::Vector3d& shift) {
+      bundle::LinearRay out;
+      const Eigen::Vector3d moved_centre = centre + move, moved_point = point + shift;
+      linearise(ray, bundle::frame_of(rotation_by(rotation) * pose.rotation, moved_centre.data()), lens,
+                moved_point.data(), Loss{}, &out);
+      return out;
+    };
+    const bundle::LinearRay at = residual({0, 0, 0}, {0, 0, 0}, {0, 0, 0});
+    const Eigen::Vector2d expected = shape.whitening() * Eigen::Vector2d(0.5, -1);
+    EXPECT_NEAR(at.residual[0], expected[0], 1e-6);
+    EXPECT_NEAR(at.residual[1], expected[1], 1e-6);
+    EXPECT_NEAR(square_of(ray, bundle::frame_of(pose.rotation, centre.data()), lens, point.data()),
+                expected.squaredNorm(), 1e-6);
+    EXPECT_NEAR(expected.squaredNorm(),
+                Eigen::Vector2d(0.5, -1).dot(shape.covariance().inverse() * Eigen::Vector2d(0.5, -1)), 1e-9);
+    for (int c = 0; c < 3; ++c) {
+      const double h = 1e-5;
+      const Eigen::Vector3d e = h * Eigen::Vector3d::Unit(c), zero = Eigen::Vector3d::Zero();
+      const auto rotated = residual(e, zero, zero), back = residual(-e, zero, zero);
+      const auto shifted = residual(zero, zero, e), shifted_back = residual(zero, zero, -e);
+      const auto moved = residual(zero, e, zero), moved_back = residual(zero, -e, zero);
+      for (int row = 0; row < 2; ++row) {
+        EXPECT_NEAR(at.by_rotation[3 * row + c], -(rotated.residual[row] - back.residual[row]) / (2 * h), 1e-4);
+        EXPECT_NEAR(at.by_point[3 * row + c], -(shifted.residual[row] - shifted_back.residual[row]) / (2 * h), 1e-5);
+        EXPECT_NEAR(-at.by_point[3 * row + c], -(moved.residual[row] - moved_back.residual[row]) / (2 * h), 1e-5);
+      }
     }
+    // By the principal point both coordinates move alike.
+    double by_camera[4];
+    linearise_camera(at, lens, {Camera::kCx, Camera::kCy}, by_camera);
+    const Eigen::Matrix2d by_pixel = 0.5 * shape.whitening();
+    for (int row = 0; row < 2; ++row)
+      for (int c = 0; c < 2; ++c) EXPECT_NEAR(by_camera[2 * row + c], by_pixel(row, c), 1e-6);
   }
 }
 
@@ -166,19 +184,21 @@ TEST(Linearise, GradientIsThatOfTheRobustCost) {
   const Rigid3 pose = pose_of(block, observation.image);
   const Eigen::Vector3d centre = centre_of(pose), point = block.points.at(observation.point).position_in_world;
   const bundle::Frame frame = bundle::frame_of(pose.rotation, centre.data());
-  const bundle::Ray ray{{observation.pixel.x() + 3, observation.pixel.y() - 5}, 0.5, 0, 0};
-  for (const double least_curvature : {1.0, 0.1}) {
-    const Loss loss{Loss::kCauchy, 1, least_curvature};
-    bundle::LinearRay at;
-    linearise(ray, frame, lens, point.data(), loss, &at);
-    for (int c = 0; c < 3; ++c) {
-      const Eigen::Vector3d e = 1e-5 * Eigen::Vector3d::Unit(c), ahead = point + e, back = point - e;
-      const double slope =
-          (loss.cost(square_of(ray, frame, lens, ahead.data())) - loss.cost(square_of(ray, frame, lens, back.data()))) /
-          2e-5;
-      EXPECT_NEAR(at.by_point[c] * at.residual[0] + at.by_point[3 + c] * at.residual[1], -slope / 2, 1e-5);
+  for (const PixelShape& shape : kShapes)
+    for (const double least_curvature : {1.0, 0.1}) {
+      const bundle::Ray ray{
+          {observation.pixel.x() + 3, observation.pixel.y() - 5}, 0.5, 0, 0, bundle::whitening_of(shape)};
+      const Loss loss{Loss::kCauchy, 1, least_curvature};
+      bundle::LinearRay at;
+      linearise(ray, frame, lens, point.data(), loss, &at);
+      for (int c = 0; c < 3; ++c) {
+        const Eigen::Vector3d e = 1e-5 * Eigen::Vector3d::Unit(c), ahead = point + e, back = point - e;
+        const double slope = (loss.cost(square_of(ray, frame, lens, ahead.data())) -
+                              loss.cost(square_of(ray, frame, lens, back.data()))) /
+                             2e-5;
+        EXPECT_NEAR(at.by_point[c] * at.residual[0] + at.by_point[3 + c] * at.residual[1], -slope / 2, 1e-5);
+      }
     }
-  }
 }
 }  // namespace
 }  // namespace collinea

@@ -18,7 +18,7 @@ GeodeticModel ZenithAngle::model(const Sight& sight) {
   const Eigen::Vector3d level = sight.line - height * sight.up;
   const double across = level.norm(), squared = sight.line.squaredNorm();
   model.computed = std::atan2(across, height);
-  if (sight.level_at_origin) model.computed -= kRefraction * across / (2 * kEarthRadius_m);
+  if (sight.earth.is_round) model.computed -= kRefraction * across / (2 * kEarthRadius_m);
   if (across > 0) derive_by_line(model, (height / across * level - across * sight.up) / squared);
   return model;
 }

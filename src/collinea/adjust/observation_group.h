@@ -30,6 +30,8 @@ enum class ObservationGroup {
   kAtHeight,
   kOnPlane,
   kOnLine,
+  kAzimuth,
+  kGnssVector,
   kAttitudeLevel,
   kAttitudeHeading,
 };
@@ -70,6 +72,8 @@ inline constexpr std::array<ObservationGroupTraits, kObservationGroups> kObserva
     {ObservationGroup::kAtHeight, "at_height", ObservationSource::kGeodetic},
     {ObservationGroup::kOnPlane, "on_plane", ObservationSource::kGeodetic},
     {ObservationGroup::kOnLine, "on_line", ObservationSource::kGeodetic},
+    {ObservationGroup::kAzimuth, "azimuth", ObservationSource::kGeodetic, 0, 1, true},
+    {ObservationGroup::kGnssVector, "gnss_vector", ObservationSource::kGeodetic},
     {ObservationGroup::kAttitudeLevel, "attitude_level", ObservationSource::kAttitude, 0, 2, true},
     {ObservationGroup::kAttitudeHeading, "attitude_heading", ObservationSource::kAttitude, 2, 1, true},
 }};

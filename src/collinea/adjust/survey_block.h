@@ -24,9 +24,14 @@ inline void measure_geodetic(const Block& exact, Block& block, const std::vector
     one.sigma = one.is_angle() ? angle_rad : length_m;
     if (kind == GeodeticKind::kDirection) one.setup = 1;
     if (kind == GeodeticKind::kAtHeight) one.setup = 2;
+    if (kind == GeodeticKind::kGnssVector) {
+      one.setup = static_cast<std::uint32_t>(block.geodetic.size());
+      one.along = Eigen::Vector3d(0.48, 0.6, 0.64);
+      one.is_local = one.setup % 2 == 0;
+    }
     const double computed = kind == GeodeticKind::kAtHeight
                                 ? position(from).z() - 3
-                                : geodetic_model(one, position(from), position(to), 0.3, false).computed;
+                                : geodetic_model(one, position(from), position(to), 0.3, {}).computed;
     one.value = computed + one.sigma * random.normal();
     block.geodetic.push_back(one);
   };

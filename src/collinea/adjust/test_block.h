@@ -152,7 +152,7 @@ struct Marked {
 
   void measure(GeodeticKind kind, std::uint32_t from, std::uint32_t to, double sigma, Random* random = nullptr) {
     GeodeticObservation one{.kind = kind, .from = {from}, .to = {to}, .sigma = sigma};
-    one.value = geodetic_model(one, truth.at(one.from), truth.at(one.to), 0, false).computed;
+    one.value = geodetic_model(one, truth.at(one.from), truth.at(one.to), 0, {}).computed;
     if (random) one.value += sigma * random->normal();
     block.geodetic.push_back(one);
   }

@@ -10,6 +10,7 @@
 
 #include "collinea/base/id.h"
 #include "collinea/block/geodetic.h"
+#include "collinea/block/pixel_shape.h"
 #include "collinea/block/ray_bend.h"
 #include "collinea/camera/camera.h"
 #include "collinea/geometry/rigid3.h"
@@ -21,6 +22,9 @@ namespace collinea {
 struct Georeference {
   std::string crs;  ///< what PROJ understands: "EPSG:32633", "EPSG:32633+5773", WKT
   double origin_latitude_deg = 0, origin_longitude_deg = 0, origin_height_m = 0;  ///< ellipsoidal
+  /// Deflection of the vertical, the same over all of the block: by how much the plumb line points north (xi) and east
+  /// (eta) of the ellipsoid's normal. Of levelled instruments alone; projects do not keep it.
+  double deflection_north_rad = 0, deflection_east_rad = 0;
 };
 
 /// Where a camera says it was (GNSS), with standard deviations along x, y, z of the world frame.
@@ -62,7 +66,11 @@ struct Observation {
   PointId point;
   std::uint32_t feature = 0;  ///< its index in the image's Features
   Eigen::Vector2d pixel;      ///< [px]
-  double sigma_px = 1;        ///< standard deviation of each coordinate
+  double sigma_px = 1;        ///< standard deviation of each coordinate; of the column where `shape` is not round
+  PixelShape shape;
+
+  /// Of column and row.
+  [[nodiscard]] Eigen::Vector2d sigmas_px() const { return {sigma_px, sigma_px * shape.row_over_column}; }
 };
 
 /// A surveyed point. Heights-only or plan-only control has an infinite sigma on the other axes.
@@ -79,7 +87,10 @@ struct ControlObservation {
   ControlId point;
   ImageId image;
   Eigen::Vector2d pixel;
-  double sigma_px = 1;
+  double sigma_px = 1;  ///< as Observation::sigma_px
+  PixelShape shape;
+
+  [[nodiscard]] Eigen::Vector2d sigmas_px() const { return {sigma_px, sigma_px * shape.row_over_column}; }
 };
 
 struct Block;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -19,10 +20,12 @@ enum class GeodeticKind : std::uint8_t {
   kAtHeight,          ///< `from` above the height that the points of a group have in common [m]
   kOnPlane,           ///< `from` off the plane of a group [m]
   kOnLine,            ///< `from` off the line of a group, across it on one of two axes [m]
+  kAzimuth,           ///< at `from`, clockwise from geodetic north; without a location on Earth from the y axis [rad]
+  kGnssVector,        ///< part of the vector from `from` to `to` along a direction [m]; see block/gnss_vector.h
 };
-inline constexpr std::size_t kGeodeticKinds = 7;
+inline constexpr std::size_t kGeodeticKinds = 9;
 inline constexpr std::array<const char*, kGeodeticKinds> kGeodeticKindNames = {
-    "distance", "height difference", "direction", "zenith angle", "height", "plane", "line"};
+    "distance", "height difference", "direction", "zenith angle", "height", "plane", "line", "azimuth", "GNSS vector"};
 
 enum class ControlRole { kControl, kCheck };
 
@@ -37,13 +40,20 @@ struct GeodeticObservation {
   double value = 0, sigma = 0;               ///< [m], or [rad] for angles
   ControlRole role = ControlRole::kControl;  ///< kCheck: only compared
   /// Directions of one set-up of the instrument share its orientation, points of one shape share that; shapes of one
-  /// kind have different numbers.
+  /// kind have different numbers. Three parts of one GNSS vector have its number.
   std::uint32_t setup = kNoSetup;
   double instrument_height_m = 0, target_height_m = 0;  ///< above the marks
-  int axis = 0;  ///< of kOnLine: 0 sideways (east off a plumb line), 1 upwards (north off a plumb line)
+  int axis =
+      0;  ///< of kOnLine: 0 sideways (east off a plumb line), 1 upwards (north off a plumb line); of a vector 0-2
+  /// Of kGnssVector: the direction, a unit vector in the world or, `is_local`, along east, north and up of the
+  /// ellipsoid at `from`.
+  Eigen::Vector3d along = Eigen::Vector3d::Zero();
+  bool is_local = false;
 
-  [[nodiscard]] bool is_angle() const { return kind == GeodeticKind::kDirection || kind == GeodeticKind::kZenithAngle; }
-  [[nodiscard]] bool is_of_shape() const { return kind >= GeodeticKind::kAtHeight; }
+  [[nodiscard]] bool is_angle() const {
+    return kind == GeodeticKind::kDirection || kind == GeodeticKind::kZenithAngle || kind == GeodeticKind::kAzimuth;
+  }
+  [[nodiscard]] bool is_of_shape() const { return kind >= GeodeticKind::kAtHeight && kind <= GeodeticKind::kOnLine; }
 };
 
 }  // namespace collinea

@@ -49,9 +49,18 @@ Normals normals_at(std::span<const SightLine> lines, const Eigen::Vector3d& poin
     const double weight = 1 / (line.sigma_px * line.sigma_px);
     const Matrix23 by_world = by_point * line.cam_from_world.rotation.toRotationMatrix();
     const Eigen::Vector2d residual = line.pixel - *pixel;
-    normals.matrix += weight * by_world.transpose() * by_world;
-    normals.right += weight * by_world.transpose() * residual;
-    normals.cost += weight * residual.squaredNorm();
+    if (line.shape.is_round()) {
+      normals.matrix += weight * by_world.transpose() * by_world;
+      normals.right += weight * by_world.transpose() * residual;
+      normals.cost += weight * residual.squaredNorm();
+    } else {
+      const Eigen::Matrix2d whitening = line.shape.whitening();
+      const Matrix23 by = whitening * by_world;
+      const Eigen::Vector2d independent = whitening * residual;
+      normals.matrix += weight * by.transpose() * by;
+      normals.right += weight * by.transpose() * independent;
+      normals.cost += weight * independent.squaredNorm();
+    }
     if (residuals) residuals->push_back(residual);
   }
   return normals;
@@ -96,7 +105,8 @@ std::vector<SightLine> sight_lines(const Block& block, ControlId point, std::vec
     if (observation.point != point) continue;
     const std::optional<Rigid3> pose = find_pose(block, observation.image);
     if (!pose) continue;
-    lines.push_back({&block.camera_of(observation.image), *pose, observation.pixel, observation.sigma_px});
+    lines.push_back(
+        {&block.camera_of(observation.image), *pose, observation.pixel, observation.sigma_px, observation.shape});
     if (indices) indices->push_back(i);
   }
   return lines;

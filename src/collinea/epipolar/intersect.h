@@ -15,7 +15,8 @@ struct SightLine {
   const Camera* camera = nullptr;
   Rigid3 cam_from_world;
   Eigen::Vector2d pixel;
-  double sigma_px = 1;
+  double sigma_px = 1;  ///< as Observation::sigma_px
+  PixelShape shape;
 };
 
 /// A point where sight lines meet.

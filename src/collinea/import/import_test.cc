@@ -477,6 +477,17 @@ TEST(ImportGeodetic, PointsWithoutCoordinatesNeedNoMap) {
   EXPECT_EQ(imported->block.geodetic[0].to, ControlId{1});
 }
 
+TEST(ImportGeodetic, PointsThatAreOnlyMarkedNeedNoRow) {
+  std::string marks(kMarks);
+  for (std::size_t at; (at = marks.find("point, ")) != std::string::npos;)
+    marks.erase(at, marks.find('\n', at) + 1 - at);
+  const auto imported = import_with_control(marks, {}, "from,to,distance_m,sigma_m\nA,B,2.5,0.001\n");
+  ASSERT_TRUE(imported) << imported.error().message;
+  EXPECT_EQ(imported->block.control.size(), 2u);
+  EXPECT_EQ(imported->block.control_observations.size(), 4u);
+  EXPECT_EQ(imported->block.geodetic.size(), 1u);
+}
+
 TEST(ImportGeodetic, DirectionsOfOneSetupShareIt) {
   const auto imported = import_with_control(kMarks, {},
                                             "from,to,setup,direction_gon,sigma_direction_mgon\n"

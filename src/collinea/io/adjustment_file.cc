@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/io/adjustment_file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "collinea/base/file.h"
+#include "collinea/block/gnss_vector.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/io/internal/adjustment_words.h"
 #include "collinea/io/internal/line_names.h"
@@ -18,6 +21,7 @@ constexpr std::string_view kHead = R"(collinea-adjustment 1
 # Measurements and all that is known beforehand, for collinea adjust --import. Metres, pixels, degrees.
 # A name with blanks stands in double quotes; - means not given; a # begins a remark.
 #   georeference CRS LATITUDE LONGITUDE HEIGHT   position of the frame (x east, y north, z up) on the Earth
+#   deflection NORTH EAST                        of the plumb line from the ellipsoid's normal ["]
 #   camera NAME WIDTH HEIGHT MODEL [sigmas_after_correction]    size [px]; MODEL: brown or brown_of_measured
 #   parameter CAMERA WHICH VALUE HOW [GIVEN]     HOW: fixed, free, or the standard deviation of GIVEN (else of VALUE)
 #   image NAME CAMERA
@@ -36,13 +40,19 @@ constexpr std::string_view kHead = R"(collinea-adjustment 1
 #   check NAME X Y Z SX SY SZ                    surveyed point that is only compared [m]
 #   control_correlation NAME XY XZ YZ            of its coordinates
 #   control_in_map, check_in_map                 the same by easting, northing and height of the georeference's CRS
+#                                                a point that is only measured in images, two at least, needs no line
 #   ground KIND FROM TO VALUE SIGMA ROLE [SETUP INSTRUMENT_HEIGHT TARGET_HEIGHT]
 #                                                measured between control points; KIND: distance, height_difference [m],
-#                                                direction, zenith_angle [deg]; ROLE: control or check; heights [m]
+#                                                direction, zenith_angle, azimuth [deg]; ROLE: control or check;
+#                                                heights [m]
+#   vector AXES FROM TO DX DY DZ XX XY XZ YY YZ ZZ ROLE [FROM_HEIGHT TO_HEIGHT]
+#                                                of GNSS, with its covariance [m2]; AXES: geocentric, local (east, north,
+#                                                up at FROM) or frame; heights of the antennas [m]
 #   lies_on SHAPE NAME POINT SIGMA ROLE [AXIS]   SHAPE: plane, line, height; AXIS of a line: sideways, upwards, or both
 #   point NUMBER X Y Z                           tie point, approximately [m]
 #   measured_control IMAGE NAME COLUMN ROW SIGMA, measured_tie IMAGE NUMBER COLUMN ROW SIGMA
-#                                                [px] from the upper-left corner of the image
+#                                                [px] from the upper-left corner of the image; behind SIGMA may stand
+#                                                that of the row, and the correlation of column and row
 )";
 
 std::string in_quotes(std::string_view name) {
@@ -124,6 +134,41 @@ std::string geodetic_line(const GeodeticObservation& one, const std::map<Control
   return text + "\n";
 }
 
+// The line of a vector, at the first of its parts.
+std::string vector_line(const Block& block, std::size_t first, const std::map<ControlId, std::string>& names) {
+  const std::vector<std::uint32_t> parts = with_their_vectors(block, static_cast<std::uint32_t>(first));
+  if (parts.front() != first || parts.size() != 3) return "";
+  const GeodeticObservation& one = block.geodetic[first];
+  const GnssVector vector = vector_of({block.geodetic[parts[0]], block.geodetic[parts[1]], block.geodetic[parts[2]]});
+  std::string text = std::string("vector ") + (vector.is_local ? "local " : "frame ") + names.at(one.from) + " " +
+                     names.at(one.to) + words(vector.vector);
+  for (int row = 0; row < 3; ++row)
+    for (int column = row; column < 3; ++column) text += " " + exact(vector.covariance_m2(row, column));
+  text += one.role == ControlRole::kCheck ? " check" : " control";
+  if (one.instrument_height_m != 0 || one.target_height_m != 0)
+    text += " " + exact(one.instrument_height_m) + " " + exact(one.target_height_m);
+  return text + "\n";
+}
+
+// The fewest digits that read back as the same number of single precision.
+std::string as_single(double value, auto&& read_back, float wanted) {
+  for (int digits = 6; digits < 17; ++digits) {
+    std::string text = fmt::format("{:.{}g}", value, digits);
+    if (read_back(number(text).value_or(0)) == wanted) return text;
+  }
+  return exact(value);
+}
+
+std::string words_behind_sigma(double sigma, const PixelShape& shape) {
+  if (shape.is_round()) return "";
+  const auto ratio_of = [&](double of_row) { return static_cast<float>(of_row / sigma); };
+  std::string text = " " + as_single(sigma * shape.row_over_column, ratio_of, shape.row_over_column);
+  if (shape.correlation != 0)
+    text += " " + as_single(
+                      shape.correlation, [](double value) { return static_cast<float>(value); }, shape.correlation);
+  return text;
+}
+
 void write_camera(const AdjustmentFile& file, CameraId id, const std::string& name, std::string& text) {
   const Camera& camera = file.block.cameras.at(id);
   text += "\ncamera " + name + " " + std::to_string(camera.width_px) + " " + std::to_string(camera.height_px) + " " +
@@ -165,13 +210,24 @@ void write_instruments(const Instruments& instruments, const std::map<CameraId, 
 
 }  // namespace
 
+namespace {
+
+std::string deflection_line(const Georeference& georeference) {
+  if (georeference.deflection_north_rad == 0 && georeference.deflection_east_rad == 0) return "";
+  constexpr double kArcsecond = kDegree / 3600;
+  return "deflection " + exact(georeference.deflection_north_rad / kArcsecond) + " " +
+         exact(georeference.deflection_east_rad / kArcsecond) + "\n";
+}
+
+}  // namespace
+
 std::string adjustment_file_text(const AdjustmentFile& file) {
   const Block& block = file.block;
   std::string text(kHead);
   if (const auto& georeference = block.georeference)
     text += "\ngeoreference " + in_quotes(on_one_line(georeference->crs)) + " " +
             exact(georeference->origin_latitude_deg) + " " + exact(georeference->origin_longitude_deg) + " " +
-            exact(georeference->origin_height_m) + "\n";
+            exact(georeference->origin_height_m) + "\n" + deflection_line(*georeference);
   const auto cameras = unique_names<CameraId>(block.cameras, [](const Camera& camera) { return camera.name; });
   const auto images = unique_names<ImageId>(block.images, [](const Image& image) { return image.file; });
   const auto control = unique_names<ControlId>(block.control, [](const ControlPoint& point) { return point.name; });
@@ -202,19 +258,21 @@ std::string adjustment_file_text(const AdjustmentFile& file) {
             words(point.position_in_world) + words(point.sigma_m) + "\n";
     if (!point.correlation.isZero(0)) text += "control_correlation " + control.at(id) + words(point.correlation) + "\n";
   }
-  for (const GeodeticObservation& one : block.geodetic) text += geodetic_line(one, control);
+  for (std::size_t i = 0; i < block.geodetic.size(); ++i)
+    text += block.geodetic[i].kind == GeodeticKind::kGnssVector ? vector_line(block, i, control)
+                                                                : geodetic_line(block.geodetic[i], control);
   for (const auto& [id, point] : block.points)
     text += "point " + std::to_string(id.value) + words(point.position_in_world) + "\n";
   text += "\n";
   const auto measured = [&](const char* how, ImageId image, const std::string& point, const Eigen::Vector2d& pixel,
-                            double sigma) {
+                            double sigma, const PixelShape& shape) {
     text += how + images.at(image) + " " + point + " " + exact(pixel.x()) + " " + exact(pixel.y()) + " " +
-            exact(sigma) + "\n";
+            exact(sigma) + words_behind_sigma(sigma, shape) + "\n";
   };
   for (const ControlObservation& seen : block.control_observations)
-    measured("measured_control ", seen.image, control.at(seen.point), seen.pixel, seen.sigma_px);
+    measured("measured_control ", seen.image, control.at(seen.point), seen.pixel, seen.sigma_px, seen.shape);
   for (const Observation& seen : block.observations)
-    measured("measured_tie ", seen.image, std::to_string(seen.point.value), seen.pixel, seen.sigma_px);
+    measured("measured_tie ", seen.image, std::to_string(seen.point.value), seen.pixel, seen.sigma_px, seen.shape);
   return text;
 }
 

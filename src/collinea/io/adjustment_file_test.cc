@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collinea/block/gnss_vector.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/io/internal/test_damage.h"
 #include "collinea/math/random.h"
@@ -204,6 +205,102 @@ TEST(AdjustmentFile, RoundTripKeepsEverything) {
   ASSERT_EQ(back->block.points.size(), file.block.points.size());
   for (const auto& [id, point] : file.block.points)
     EXPECT_EQ(back->block.points.at(id).position_in_world, point.position_in_world);
+}
+
+TEST(AdjustmentFile, APointMeasuredInTwoImagesNeedsNoLineOfItsOwn) {
+  const std::string text =
+      "collinea-adjustment 1\ncamera wide 4000 3000 brown\nparameter wide f 3000 fixed\nimage a wide\nimage b wide\n"
+      "ground distance T1 T2 1.5 0.001 control\n"
+      "measured_control a T1 10 20 0.5\nmeasured_control b T1 30 20 0.5\nmeasured_control a T2 10 90 0.5\n";
+  const auto file = parse_adjustment_file(text + "measured_control b T2 30 90 0.5\n");
+  ASSERT_TRUE(file) << file.error().message;
+  ASSERT_EQ(file->block.control.size(), 2u);
+  const ControlPoint& point = file->block.control.at(file->block.geodetic.at(0).to);
+  EXPECT_EQ(point.name, "T2");
+  EXPECT_TRUE(point.sigma_m.array().isInf().all());
+  const auto again = parse_adjustment_file(adjustment_file_text(*file));
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->block.control.size(), 2u);
+  const auto once = parse_adjustment_file(text);
+  ASSERT_FALSE(once);
+  EXPECT_TRUE(once.error().message.starts_with("line 9: there is no control or check point \"T2\""))
+      << once.error().message;
+  EXPECT_TRUE(once.error().message.ends_with("or measure it in a second image"));
+}
+
+TEST(AdjustmentFile, MeasurementsMayHaveACovariance) {
+  const std::string text =
+      "collinea-adjustment 1\ncamera wide 4000 3000 brown\nparameter wide f 3000 fixed\nimage a wide\nimage b wide\n"
+      "control T1 1 2 3 0 0 0\n"
+      "measured_control a T1 10 20 0.5 0.3 -0.25\nmeasured_control b T1 30 20 0.7 0.1\n"
+      "measured_tie a 7 10 90 0.3\nmeasured_tie b 7 10 90 0.3 0.9 0.1\n";
+  const auto file = parse_adjustment_file(text);
+  ASSERT_TRUE(file) << file.error().message;
+  const Block& block = file->block;
+  EXPECT_LT((block.control_observations[0].sigmas_px() - Eigen::Vector2d(0.5, 0.3)).norm(), 1e-7);
+  EXPECT_EQ(block.control_observations[0].shape.correlation, -0.25F);
+  EXPECT_TRUE(block.observations[0].shape.is_round());
+  EXPECT_LT((block.observations[1].sigmas_px() - Eigen::Vector2d(0.3, 0.9)).norm(), 1e-7);
+  const std::string written = adjustment_file_text(*file);
+  for (const char* line : {"measured_control a T1 10 20 0.5 0.3 -0.25\n", "measured_control b T1 30 20 0.7 0.1\n",
+                           "measured_tie a 7 10 90 0.3\n", "measured_tie b 7 10 90 0.3 0.9 0.1\n"})
+    EXPECT_NE(written.find(line), std::string::npos) << line << written;
+  for (const char* wrong : {"0.3 0", "0.3 -1", "0.3 0.3 1", "0.3 0.3 -2"}) {
+    const auto refused = parse_adjustment_file(text + "measured_tie a 8 1 2 " + wrong + "\n");
+    ASSERT_FALSE(refused) << wrong;
+    EXPECT_TRUE(refused.error().message.starts_with("line 11: this is no covariance")) << refused.error().message;
+  }
+}
+
+TEST(AdjustmentFile, GnssVectorsComeBack) {
+  const std::string head =
+      "collinea-adjustment 1\ncamera wide 4000 3000 brown\nparameter wide f 3000 fixed\nimage a wide\nimage b wide\n"
+      "control T1 1 2 3 0 0 0\ncontrol T2 - - - - - -\nmeasured_control a T1 10 20 0.5\n";
+  const std::string vectors =
+      "vector local T1 T2 10 20 30 4e-6 1e-6 0 5e-6 -1e-6 9e-6 control 1.5 0.2\n"
+      "vector geocentric T1 T2 10 20 30 4e-6 1e-6 0 5e-6 -1e-6 9e-6 check\n";
+  const auto file = parse_adjustment_file(head + "georeference EPSG:32633 48 15 300\n" + vectors);
+  ASSERT_TRUE(file) << file.error().message;
+  ASSERT_EQ(file->block.geodetic.size(), 6u);
+  EXPECT_EQ(file->block.geodetic[0].instrument_height_m, 1.5);
+  EXPECT_TRUE(file->block.geodetic[0].is_local);
+  EXPECT_EQ(file->block.geodetic[5].role, ControlRole::kCheck);
+  EXPECT_NE(file->block.geodetic[5].setup, file->block.geodetic[0].setup);
+  const auto again = parse_adjustment_file(adjustment_file_text(*file));
+  ASSERT_TRUE(again) << again.error().message;
+  ASSERT_EQ(again->block.geodetic.size(), 6u);
+  for (const std::size_t first : {0u, 3u}) {
+    const auto& all = file->block.geodetic;
+    const auto& back = again->block.geodetic;
+    const GnssVector one = vector_of({all[first], all[first + 1], all[first + 2]}),
+                     other = vector_of({back[first], back[first + 1], back[first + 2]});
+    EXPECT_LT((one.vector - other.vector).norm(), 1e-12);
+    EXPECT_LT((one.covariance_m2 - other.covariance_m2).norm(), 1e-18);
+    EXPECT_EQ(one.is_local, other.is_local);
+  }
+  const auto error = [&](const std::string& text) { return parse_adjustment_file(head + text).error().message; };
+  EXPECT_TRUE(error(vectors).starts_with("line 10: a geocentric vector needs to know where the frame is"));
+  EXPECT_TRUE(
+      error("vector map T1 T2 1 2 3 1 0 0 1 0 1 check\n").starts_with("line 9: \"map\" are no axes of a vector"));
+  EXPECT_TRUE(error("vector local T1 T2 1 2 3 1 2 0 1 0 1 check\n").starts_with("line 9: this is no covariance"));
+  EXPECT_TRUE(error("vector local T1 T2 1 2 3 1 0 0 1 0 1 check 1\n").starts_with("line 9: behind the role"));
+}
+
+TEST(AdjustmentFile, ADeflectionBelongsToAGeoreference) {
+  const std::string head =
+      "collinea-adjustment 1\ncamera wide 4000 3000 brown\nparameter wide f 3000 fixed\nimage a wide\n"
+      "control T1 1 2 3 0 0 0\nmeasured_control a T1 10 20 0.5\ndeflection 7.5 -3\n";
+  const auto file = parse_adjustment_file(head + "georeference EPSG:32633 48 15 300\n");
+  ASSERT_TRUE(file) << file.error().message;
+  constexpr double kArcseconds = 180 * 3600 / std::numbers::pi;
+  EXPECT_NEAR(file->block.georeference->deflection_north_rad * kArcseconds, 7.5, 1e-12);
+  EXPECT_NEAR(file->block.georeference->deflection_east_rad * kArcseconds, -3, 1e-12);
+  const auto again = parse_adjustment_file(adjustment_file_text(*file));
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_NEAR(again->block.georeference->deflection_north_rad * kArcseconds, 7.5, 1e-12);
+  EXPECT_EQ(parse_adjustment_file(head).error().message,
+            "line 7: a deflection is that from the ellipsoid: there is no line georeference");
+  EXPECT_EQ(parse_adjustment_file(head + "deflection 1 1\n").error().message, "line 8: a second deflection");
 }
 
 TEST(AdjustmentFile, SaysInWhichLineWhatIsWrong) {

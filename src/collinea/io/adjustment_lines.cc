@@ -121,6 +121,17 @@ Result<> take_georeference(const Line& line, Draft& draft) {
   return {};
 }
 
+Result<> take_deflection(const Line& line, Draft& draft) {
+  if (draft.deflection_rad) return bad_line(line.number, "a second deflection");
+  Eigen::Vector2d seconds;
+  COLLINEA_TRY(seconds[0], finite(line, 1, "a deflection"));
+  COLLINEA_TRY(seconds[1], finite(line, 2, "a deflection"));
+  if (seconds.cwiseAbs().maxCoeff() > 300)
+    return bad_line(line.number, "no plumb line is deflected by more than 300 seconds of arc");
+  draft.deflection_rad = {line.number, seconds * (kDegree / 3600)};
+  return {};
+}
+
 std::string listed(std::span<const std::string_view> names) {
   std::string text;
   for (const auto one : names) text += " " + std::string(one);
@@ -279,6 +290,7 @@ Result<> take_geodetic(const Line& line, Draft& draft) {
   std::string known;
   for (std::size_t k = 0; k < kGeodeticKinds; ++k) {
     if (GeodeticObservation{.kind = GeodeticKind(k)}.is_of_shape()) continue;  // these have lines of their own
+    if (GeodeticKind(k) == GeodeticKind::kGnssVector) continue;
     known += " " + geodetic_word(k);
     if (line.words[1] == geodetic_word(k)) kind = k;
   }
@@ -315,6 +327,35 @@ Result<> take_geodetic(const Line& line, Draft& draft) {
   return {};
 }
 
+// vector AXES FROM TO DX DY DZ XX XY XZ YY YZ ZZ ROLE [FROM_HEIGHT TO_HEIGHT]
+Result<> take_vector(const Line& line, Draft& draft) {
+  const std::string& axes = line.words[1];
+  if (axes != "geocentric" && axes != "local" && axes != "frame")
+    return bad_line(line.number, shown(axes) + " are no axes of a vector: geocentric, local or frame");
+  GeodeticLine geodetic{line.number, line.words[2], line.words[3], {.kind = GeodeticKind::kGnssVector}};
+  if (geodetic.from == geodetic.to) return bad_line(line.number, "a measurement from a point to itself");
+  geodetic.is_geocentric = axes == "geocentric";
+  geodetic.vector.is_local = axes == "local";
+  COLLINEA_TRY(geodetic.vector.vector, finite3(line, 4, "a coordinate"));
+  std::size_t next = 7;
+  for (int row = 0; row < 3; ++row)
+    for (int column = row; column < 3; ++column, ++next) {
+      COLLINEA_TRY(const double value, finite(line, next, "a covariance"));
+      geodetic.vector.covariance_m2(row, column) = geodetic.vector.covariance_m2(column, row) = value;
+    }
+  if (!observations_of(geodetic.vector, {}))
+    return bad_line(line.number, "this is no covariance of a vector: it has to be positive definite [m2]");
+  COLLINEA_TRY(take_role(line, 13, geodetic.measured));
+  if (line.count() == 14)
+    return bad_line(line.number, "behind the role stand the heights of both antennas, or nothing");
+  if (line.count() > 14) {
+    COLLINEA_TRY(geodetic.measured.instrument_height_m, finite(line, 14, "a height"));
+    COLLINEA_TRY(geodetic.measured.target_height_m, finite(line, 15, "a height"));
+  }
+  draft.geodetic.push_back(std::move(geodetic));
+  return {};
+}
+
 std::optional<PointId> point_numbered(std::string_view word) {
   const auto value = integer(word);
   if (!value || *value < 0 || *value >= std::int64_t(PointId::kNone)) return std::nullopt;
@@ -333,6 +374,24 @@ Result<> take_point(const Line& line, Draft& draft) {
   return {};
 }
 
+// The standard deviation of the row and the correlation, where they stand behind that of the column.
+Result<PixelShape> shape_behind(const Line& line, double sigma) {
+  PixelShape shape;
+  if (line.count() > 5) {
+    COLLINEA_TRY(const double of_row, finite(line, 6, "a standard deviation of the row"));
+    shape.row_over_column = static_cast<float>(of_row / sigma);
+  }
+  if (line.count() > 6) {
+    COLLINEA_TRY(const double correlation, finite(line, 7, "a correlation"));
+    shape.correlation = static_cast<float>(correlation);
+  }
+  if (!shape.is_valid())
+    return bad_line(line.number,
+                    "this is no covariance of a measurement: standard deviations are above 0 [px], the correlation "
+                    "is between -1 and 1");
+  return shape;
+}
+
 Result<> take_measured(const Line& line, Draft& draft) {
   COLLINEA_TRY(const ImageId image, image_named(line, line.words[1], draft));
   Eigen::Vector2d pixel;
@@ -340,8 +399,9 @@ Result<> take_measured(const Line& line, Draft& draft) {
   COLLINEA_TRY(pixel.y(), finite(line, 4, "a row"));
   COLLINEA_TRY(const double sigma, finite(line, 5, "a standard deviation"));
   if (!(sigma > 0)) return bad_line(line.number, "the standard deviation of a measurement is above 0 [px]");
+  COLLINEA_TRY(const PixelShape shape, shape_behind(line, sigma));
   if (line.words[0] == "measured_control") {
-    draft.measured.push_back({line.number, image, line.words[2], pixel, sigma});
+    draft.measured.push_back({line.number, image, line.words[2], pixel, sigma, shape});
     return {};
   }
   const auto id = point_numbered(line.words[2]);
@@ -349,7 +409,7 @@ Result<> take_measured(const Line& line, Draft& draft) {
     return bad_line(line.number, shown(line.words[2]) +
                                      " is no number of a tie point: a whole number from 0 is "
                                      "expected; points with names are measured_control");
-  draft.ties.push_back({line.number, {image, *id, 0, pixel, sigma}});
+  draft.ties.push_back({line.number, {image, *id, 0, pixel, sigma, shape}});
   return {};
 }
 
@@ -371,6 +431,7 @@ struct Rule {
 Result<> take_adjustment_line(const AdjustmentLine& line, AdjustmentDraft& draft) {
   static constexpr Rule kRules[] = {
       {"georeference", "CRS LATITUDE LONGITUDE HEIGHT", 4, 4, take_georeference},
+      {"deflection", "NORTH EAST", 2, 2, take_deflection},
       {"camera", "NAME WIDTH HEIGHT MODEL [sigmas_after_correction]", 4, 5, take_camera},
       {"parameter", "CAMERA WHICH VALUE fixed|free|SIGMA [GIVEN]", 4, 5, take_parameter},
       {"image", "NAME CAMERA", 2, 2, take_image},
@@ -391,9 +452,11 @@ Result<> take_adjustment_line(const AdjustmentLine& line, AdjustmentDraft& draft
       {"check_in_map", "NAME EASTING NORTHING HEIGHT SX SY SZ", 7, 7, take_control},
       {"lies_on", "plane|line|height NAME POINT SIGMA ROLE [sideways|upwards]", 5, 6, take_shape},
       {"ground", "KIND FROM TO VALUE SIGMA ROLE [SETUP INSTRUMENT_HEIGHT TARGET_HEIGHT]", 6, 9, take_geodetic},
+      {"vector", "geocentric|local|frame FROM TO DX DY DZ XX XY XZ YY YZ ZZ ROLE [FROM_HEIGHT TO_HEIGHT]", 13, 15,
+       take_vector},
       {"point", "NUMBER X Y Z", 4, 4, take_point},
-      {"measured_control", "IMAGE NAME COLUMN ROW SIGMA", 5, 5, take_measured},
-      {"measured_tie", "IMAGE NUMBER COLUMN ROW SIGMA", 5, 5, take_measured},
+      {"measured_control", "IMAGE NAME COLUMN ROW SIGMA [SIGMA_ROW [CORRELATION]]", 5, 7, take_measured},
+      {"measured_tie", "IMAGE NUMBER COLUMN ROW SIGMA [SIGMA_ROW [CORRELATION]]", 5, 7, take_measured},
   };
   for (const Rule& rule : kRules) {
     if (line.words[0] != rule.keyword) continue;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -57,27 +58,68 @@ Result<Line> taken_apart(std::size_t number, std::string_view text) {
                             std::to_string(before));
 }
 
+// A point that is only measured in images, in two at least, needs no line of its own: it has no coordinates.
+void add_marked_points(Draft& draft) {
+  std::map<std::string, std::set<ImageId>> images;
+  for (const Measured& one : draft.measured)
+    if (!draft.control.contains(one.point)) images[one.point].insert(one.image);
+  for (const auto& [name, shown_in] : images) {
+    if (shown_in.size() < 2) continue;
+    const ControlId id{std::uint32_t(draft.control.size())};
+    draft.control.emplace(name, id);
+    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+    draft.file.block.control[id] = {.name = name,
+                                    .role = ControlRole::kControl,
+                                    .position_in_map = Eigen::Vector3d::Constant(kUnknown),
+                                    .position_in_world = Eigen::Vector3d::Constant(kUnknown),
+                                    .sigma_m = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity())};
+  }
+}
+
+Result<> add_vector(GeodeticLine& line, std::uint32_t number, Block& block) {
+  GnssVector vector = line.vector;
+  if (line.is_geocentric) {
+    if (!block.georeference)
+      return bad_line(line.line, "a geocentric vector needs to know where the frame is: there is no line georeference");
+    const Eigen::Matrix3d rotation = world_from_geocentric(*block.georeference);
+    vector.vector = rotation * vector.vector;
+    vector.covariance_m2 = rotation * vector.covariance_m2 * rotation.transpose();
+  }
+  line.measured.setup = number;
+  const auto parts = observations_of(vector, line.measured);
+  if (!parts) return bad_line(line.line, "this is no covariance of a vector: it has to be positive definite [m2]");
+  block.geodetic.insert(block.geodetic.end(), parts->begin(), parts->end());
+  return {};
+}
+
 // Control may stand in the file wherever it likes.
 Result<> sort_measured(Draft& draft) {
+  add_marked_points(draft);
   std::map<std::pair<ControlId, ImageId>, std::size_t> known;
   for (const Measured& one : draft.measured) {
     const auto control = draft.control.find(one.point);
     if (control == draft.control.end())
       return bad_line(one.line, "there is no control or check point " + shown(one.point) + ": add a line control " +
-                                    one.point + " X Y Z SX SY SZ");
+                                    one.point + " X Y Z SX SY SZ, or measure it in a second image");
     if (const auto [before, is_new] = known.emplace(std::pair(control->second, one.image), one.line); !is_new)
       return twice(one.line, one.point, one.image, before->second, draft);
-    draft.file.block.control_observations.push_back({control->second, one.image, one.pixel, one.sigma});
+    draft.file.block.control_observations.push_back({control->second, one.image, one.pixel, one.sigma, one.shape});
   }
+  std::uint32_t vectors = 0;
   for (GeodeticLine& one : draft.geodetic) {
     const auto from = draft.control.find(one.from), to = draft.control.find(one.to);
     if (from == draft.control.end() || to == draft.control.end())
       return bad_line(one.line, "there is no control or check point " +
                                     shown(from == draft.control.end() ? one.from : one.to) +
-                                    ": add a line control (a point without coordinates has - for all of them)");
+                                    ": add a line control (a point without coordinates has - for all of them), or "
+                                    "measure it in two images");
     one.measured.from = from->second;
     one.measured.to = to->second;
-    draft.file.block.geodetic.push_back(one.measured);
+    if (one.measured.kind == GeodeticKind::kGnssVector) {
+      COLLINEA_TRY(add_vector(one, vectors++, draft.file.block));
+    } else {
+      draft.file.block.geodetic.push_back(one.measured);
+    }
   }
   sort_by_point_and_image(draft.ties, [](const Tie& one) -> const Observation& { return one.seen; });
   for (std::size_t i = 0; i < draft.ties.size(); ++i) {
@@ -98,6 +140,13 @@ Result<AdjustmentFile> finish(Draft draft, std::size_t lines) {
     if (!(draft.file.block.cameras[id].focal_px() > 0))
       return bad_line(lines,
                       "camera " + shown(name) + " has no focal length: add a line parameter " + name + " f VALUE HOW");
+  if (const auto& given = draft.deflection_rad) {
+    auto& frame_given = draft.file.block.georeference;
+    if (!frame_given)
+      return bad_line(given->first, "a deflection is that from the ellipsoid: there is no line georeference");
+    frame_given->deflection_north_rad = given->second[0];
+    frame_given->deflection_east_rad = given->second[1];
+  }
   COLLINEA_TRY(sort_measured(draft));
   COLLINEA_TRY(const std::optional<LocalFrame> frame, world_frame(draft.file.block));
   for (const auto& [line, id] : draft.in_map) {

@@ -33,6 +33,7 @@ struct ControlFileObservation {
   Eigen::Vector2d pixel;
   double sigma_px = 0.5;
   int line = 0;  ///< of the control file, for messages
+  PixelShape shape;
 };
 
 struct ControlFile {

@@ -16,6 +16,7 @@ namespace collinea {
 inline constexpr FileText kControlPointColumns =
     "point, id, easting, northing, height, sigma_e_m, sigma_n_m, sigma_h_m, role";
 inline constexpr FileText kControlImageColumns = "image, id, file, x_px, y_px, sigma_px";
+inline constexpr FileText kImageCovarianceColumns = "image_covariance, id, file, xx_px2, xy_px2, yy_px2";
 
 /// Reads surveyed points and where they are seen in images, in one of the formats of `internal/control_formats.h`,
 /// recognised by content: OpenDroneMap's gcp_list.txt, our CSV. In files in degrees (EPSG:4326) x is the longitude and

@@ -83,6 +83,38 @@ TEST(ControlFile, APointMayHaveNoCoordinatesAtAll) {
   EXPECT_EQ(control->points[0].position_in_map, Eigen::Vector3d(0, 0, 0));
 }
 
+TEST(ControlFile, APointMarkedInTwoImagesNeedsNoRowOfItsOwn) {
+  const auto control = parse_control(
+      "image, id, file, x_px, y_px\n"
+      "image, T1, a.jpg, 1, 2\n"
+      "point, A, 10, 20, 30\n"
+      "image, T1, b.jpg, 3, 4\n");
+  ASSERT_TRUE(control) << control.error().message;
+  ASSERT_EQ(control->points.size(), 2u);
+  EXPECT_EQ(control->points[1].name, "T1");
+  EXPECT_EQ(control->points[1].role, ControlRole::kControl);
+  EXPECT_TRUE(control->points[1].sigma_m.array().isInf().all());
+  EXPECT_EQ(control->points[1].position_in_map, Eigen::Vector3d(10, 20, 30));
+  EXPECT_EQ(control->observations.size(), 2u);
+  EXPECT_TRUE(contains(message_of("image, T1, a.jpg, 1, 2\nimage, T2, a.jpg, 3, 4\nimage, T2, b.jpg, 3, 4\n"),
+                       "line 1: image row of a point T1 that no point row gives, and no other image"));
+  EXPECT_TRUE(contains(message_of("image, T1, a.jpg, 1, 2\nimage, T1, a.jpg, 3, 4\n"), "no other image"));
+}
+
+TEST(ControlFile, AnImageMayHaveACovariance) {
+  const std::string marks = "point, A, 10, 20, 30\nimage, A, a.jpg, 1, 2, 0.3\nimage, A, b.jpg, 3, 4, 0.5\n";
+  const auto control = parse_control(marks + "image_covariance, A, a.jpg, 0.04, -0.006, 0.01\n");
+  ASSERT_TRUE(control) << control.error().message;
+  EXPECT_NEAR(control->observations[0].sigma_px, 0.2, 1e-12);
+  EXPECT_NEAR(control->observations[0].shape.row_over_column, 0.5, 1e-7);
+  EXPECT_NEAR(control->observations[0].shape.correlation, -0.3, 1e-7);
+  EXPECT_TRUE(control->observations[1].shape.is_round());
+  EXPECT_TRUE(
+      contains(message_of(marks + "image_covariance, A, c.jpg, 1, 0, 1\n"), "line 4: there is no image row of A"));
+  EXPECT_TRUE(contains(message_of(marks + "image_covariance, A, a.jpg, 1, 1, 1\n"), "line 4: this is no covariance"));
+  EXPECT_TRUE(contains(message_of(marks + "image_covariance, A, a.jpg, 1, 0\n"), "line 4: a row of an image's"));
+}
+
 TEST(ControlFile, ErrorsOfOurCsvNameTheLine) {
   EXPECT_TRUE(contains(message_of("point, A, 1, 2, 3\npoint, B, 1O4, 2, 3\n"), "line 2"));
   EXPECT_TRUE(contains(message_of("point, A, 1, 2, 3\npoint, A, 4, 5, 6\n"), "line 2: point A is given twice"));

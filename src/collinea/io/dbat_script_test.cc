@@ -186,13 +186,37 @@ TEST_F(DbatScript, XmlIsReadAsFarAsAnyoneWritesIt) {
             std::string::npos);
 }
 
+// Of lens model 3 a measured point is sheared first and corrected then, as ours is: x = (1 + b1) x' + b2 y', y upwards.
+TEST_F(DbatScript, TheSkewOfModel3IsOurs) {
+  const auto file = read(with("<model>", "<aspect>0.99</aspect><skew>2e-3</skew><model>"));
+  ASSERT_TRUE(file) << file.error().message;
+  const Camera& camera = file->block.cameras.at({0});
+  const double f = camera.params[Camera::kF], mm = 6.0 / 1500, focal_mm = f * mm;
+  EXPECT_NEAR(camera.params[Camera::kB2], f * 2e-3 / 1.01, 1e-9);
+  const Eigen::Vector2d pixel(1634.5, 402.25);
+  const double y = mm * (camera.params[Camera::kCy] - pixel.y());
+  const double x = mm * (pixel.x() - camera.params[Camera::kCx]) * 1.01 + 2e-3 * y, r2 = x * x + y * y;
+  const Eigen::Vector2d corrected = Eigen::Vector2d(x, -y) * (1 + 1e-3 * r2) / focal_mm;  // K1 of the script
+  EXPECT_LT((normalized(camera, pixel) - corrected).norm(), 1e-12);
+  for (const char* model : {"4", "5"})
+    EXPECT_NE(error_of(with("<model>3", std::string("<model>") + model)).find("behind the correction of the lens"),
+              std::string::npos);
+}
+
+TEST_F(DbatScript, MarksMayHaveAStandardDeviationForEachAxis) {
+  const auto file = read(with("sxy=\"0.5\"", "sx=\"0.5\" sy=\"0.6\""));
+  ASSERT_TRUE(file) << file.error().message;
+  ASSERT_FALSE(file->block.observations.empty());
+  for (const Observation& seen : file->block.observations)
+    EXPECT_LT((seen.sigmas_px() - Eigen::Vector2d(0.5, 0.6)).norm(), 1e-7);
+}
+
 TEST_F(DbatScript, WhatIsNotKnownIsAnErrorByName) {
   const std::pair<std::string, const char*> scripts[] = {
       {with("<images", "<scale_bars/><images"), "line 6: element scale_bars in input"},
       {with("</document>", "<plugin/></document>"), "element plugin in document"},
       {with("format=\"im,id,x,y\"", "format=\"im,id,x,y,weight\""), "format: \"weight\" is no column"},
       {with("format=\"im,id,x,y\"", "format=\"im,id,x,x\""), "column x is there twice"},
-      {with("sxy=\"0.5\"", "sx=\"0.5\" sy=\"0.6\""), "standard deviations that differ in x and y"},
       {with("sxy=\"0.5\"", "sigma=\"0.5\""), "attribute sigma of file"},
       {with("<unit>mm", "<fiducials>8</fiducials><unit>mm"), "element fiducials in camera"},
       {with("<K>1e-3,0,0", "<K>1e-3,0,0,1e-9"), "K has 4 numbers; 0 to 3 are expected"},

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "collinea/base/file.h"
@@ -35,6 +36,16 @@ constexpr Shape kShapes[] = {{GeodeticKind::kOnPlane, "plane", "sigma_plane_m"},
                              {GeodeticKind::kOnLine, "line", "sigma_line_m"},
                              {GeodeticKind::kAtHeight, "level", "sigma_level_m"}};
 
+/// Columns of a GNSS vector and of its covariance, by rows from the diagonal on.
+struct VectorColumns {
+  bool is_geocentric;
+  const char* vector[3];
+  const char* covariance[6];
+};
+constexpr VectorColumns kVectors[] = {
+    {true, {"dx_m", "dy_m", "dz_m"}, {"xx_m2", "xy_m2", "xz_m2", "yy_m2", "yz_m2", "zz_m2"}},
+    {false, {"de_m", "dn_m", "du_m"}, {"ee_m2", "en_m2", "eu_m2", "nn_m2", "nu_m2", "uu_m2"}}};
+
 const std::vector<Measured>& all_measured() {
   static const std::vector<Measured> all = {
       {GeodeticKind::kDistance, {{"distance_m", 1}}, {{"sigma_distance_m", 1}, {"sigma_m", 1}}},
@@ -46,13 +57,20 @@ const std::vector<Measured>& all_measured() {
        {{"sigma_direction_arcsec", kArcsecond}, {"sigma_direction_mgon", kMilligon}}},
       {GeodeticKind::kZenithAngle,
        {{"zenith_deg", kDegree}, {"zenith_gon", kGon}},
-       {{"sigma_zenith_arcsec", kArcsecond}, {"sigma_zenith_mgon", kMilligon}}}};
+       {{"sigma_zenith_arcsec", kArcsecond}, {"sigma_zenith_mgon", kMilligon}}},
+      {GeodeticKind::kAzimuth,
+       {{"azimuth_deg", kDegree}, {"azimuth_gon", kGon}},
+       {{"sigma_azimuth_arcsec", kArcsecond}, {"sigma_azimuth_mgon", kMilligon}}}};
   return all;
 }
 
 bool is_column(const std::string& name) {
   for (const Shape& shape : kShapes)
     if (name == shape.column || name == shape.sigma) return true;
+  for (const VectorColumns& vector : kVectors)
+    if (std::ranges::find(vector.vector, name) != std::end(vector.vector) ||
+        std::ranges::find(vector.covariance, name) != std::end(vector.covariance))
+      return true;
   for (const char* other : {"from", "to", "name", "role", "setup", "instrument_height_m", "target_height_m"})
     if (name == other) return true;
   for (const Measured& measured : all_measured()) {
@@ -85,10 +103,12 @@ class Reader {
                                 std::string(measured.sigmas.front().column));
         measures = true;
       }
+    COLLINEA_TRY(const bool vectors, check_titles_of_vectors());
+    measures |= vectors;
     if (!measures && !shapes)
       return table_.bad_row(
-          "no column holds a measurement: distance_m, height_difference_m, direction_deg, zenith_deg, plane, line, "
-          "level");
+          "no column holds a measurement: distance_m, height_difference_m, direction_deg, zenith_deg, azimuth_deg, "
+          "dx_m, de_m, plane, line, level");
     if (measures && !table_.has("to")) return table_.bad_row("the first row must name a column to");
     return {};
   }
@@ -112,6 +132,7 @@ class Reader {
     const std::size_t before = rows.size();
     users_of_sigma_m_ = 0;
     if (Result<> taken = take_shapes(row); !taken) return taken;
+    if (Result<> taken = take_vectors(row); !taken) return taken;
     for (const Measured& measured : all_measured())
       if (Result<> taken = take_measured(measured, row); !taken) return taken;
     if (rows.size() == before) return table_.bad_row("nothing is measured from " + row.from + " to " + row.to);
@@ -124,6 +145,52 @@ class Reader {
   std::vector<GeodeticFileRow> rows;
 
  private:
+  // True when there are columns of a vector.
+  [[nodiscard]] Result<bool> check_titles_of_vectors() const {
+    bool found = false;
+    for (const VectorColumns& columns : kVectors) {
+      std::string missing;
+      bool any = false;
+      const auto look = [&](const auto& names) {
+        for (const char* name : names) {
+          any |= table_.has(name);
+          if (!table_.has(name)) missing += (missing.empty() ? "" : ", ") + std::string(name);
+        }
+      };
+      look(columns.vector);
+      look(columns.covariance);
+      if (any && !missing.empty())
+        return table_.bad_row("a vector has three components and a covariance of six; missing: " + missing);
+      found |= any;
+    }
+    return found;
+  }
+
+  Result<> take_vectors(GeodeticFileRow row) {
+    for (const VectorColumns& columns : kVectors) {
+      const auto is_there = [&](const char* name) { return !table_.field(name).empty(); };
+      if (std::ranges::none_of(columns.vector, is_there)) continue;
+      if (row.to.empty()) return table_.bad_row("a measurement needs the names of two points");
+      row.kind = GeodeticKind::kGnssVector;
+      row.is_geocentric = columns.is_geocentric;
+      row.vector.is_local = !columns.is_geocentric;
+      for (int axis = 0; axis < 3; ++axis) {
+        COLLINEA_TRY(row.vector.vector[axis], table_.number_in(columns.vector[axis]));
+      }
+      const char* const* next = columns.covariance;
+      for (int r = 0; r < 3; ++r)
+        for (int c = r; c < 3; ++c) {
+          COLLINEA_TRY(const double value, table_.number_in(*next++));
+          row.vector.covariance_m2(r, c) = row.vector.covariance_m2(c, r) = value;
+        }
+      if (!observations_of(row.vector, {}))
+        return table_.bad_row("the covariance of " + row.from + " - " + row.to +
+                              " is none: it has to be positive definite");
+      rows.push_back(row);
+    }
+    return {};
+  }
+
   Result<> take_shapes(GeodeticFileRow row) {
     row.instrument_height_m = row.target_height_m = 0;
     for (const Shape& shape : kShapes) {
@@ -160,8 +227,10 @@ class Reader {
     const std::string between = row.from + " - " + row.to;
     if (row.kind == GeodeticKind::kDistance && !(row.value > 0))
       return table_.bad_row("the distance " + between + " is not above 0");
-    if (row.kind == GeodeticKind::kDirection && std::abs(row.value) > 2 * std::numbers::pi * (1 + 1e-12))
-      return table_.bad_row("the direction " + between + " is beyond a full circle of 360 degrees, 400 gon");
+    if ((row.kind == GeodeticKind::kDirection || row.kind == GeodeticKind::kAzimuth) &&
+        std::abs(row.value) > 2 * std::numbers::pi * (1 + 1e-12))
+      return table_.bad_row("the " + std::string(kGeodeticKindNames[static_cast<std::size_t>(row.kind)]) + " " +
+                            between + " is beyond a full circle of 360 degrees, 400 gon");
     if (row.kind == GeodeticKind::kZenithAngle && !(row.value > 0 && row.value < std::numbers::pi))
       return table_.bad_row("the zenith angle " + between +
                             " is not between 0 (up) and 180 degrees, 200 gon (down); of the second face subtract it "

@@ -8,6 +8,7 @@
 
 #include "collinea/base/result.h"
 #include "collinea/block/geodetic.h"
+#include "collinea/block/gnss_vector.h"
 
 namespace collinea {
 
@@ -20,7 +21,9 @@ struct GeodeticFileRow {
   double value = 0, sigma = 0;  ///< [m] or [rad]
   ControlRole role = ControlRole::kControl;
   double instrument_height_m = 0, target_height_m = 0;
-  int line = 0;  ///< for messages
+  int line = 0;                ///< for messages
+  GnssVector vector;           ///< of kGnssVector, which is one row
+  bool is_geocentric = false;  ///< it is along the axes of the Earth
 };
 
 /// Reads measurements between points: CSV (commas, semicolons or tabs; UTF-8 or UTF-16) whose first row names the
@@ -29,8 +32,15 @@ struct GeodeticFileRow {
 ///                                                 nothing is measured between two
 ///     distance_m, height_difference_m             measured; empty where not
 ///     direction_deg or _gon, zenith_deg or _gon   of a total station standing on `from`; zenith from 0, up, to 180
+///     azimuth_deg or _gon                         clockwise from geodetic north, or from the y axis of a block without
+///                                                 a location on Earth
+///     dx_m, dy_m, dz_m                            a GNSS vector along the axes of the Earth (geocentric), with its
+///     xx_m2, xy_m2, xz_m2, yy_m2, yz_m2, zz_m2    covariance; or
+///     de_m, dn_m, du_m                            along east, north and up of the ellipsoid at `from`, with
+///     ee_m2, en_m2, eu_m2, nn_m2, nu_m2, uu_m2    its covariance
 ///     sigma_m                                     of distance, height difference or shapes, in rows with one of them
-///     sigma_distance_m, sigma_height_difference_m, sigma_direction_arcsec or _mgon, sigma_zenith_arcsec or _mgon
+///     sigma_distance_m, sigma_height_difference_m, sigma_direction_arcsec or _mgon, sigma_zenith_arcsec or _mgon,
+///     sigma_azimuth_arcsec or _mgon
 ///     plane, line, level                          names of a plane, a straight line, a common height on which `from`
 ///                                                 lies; sigma_plane_m, sigma_line_m (on each of two axes across it),
 ///                                                 sigma_level_m, or sigma_m

@@ -48,6 +48,43 @@ TEST(GeodeticFile, ATotalStationMeasuresThreeThingsARow) {
   EXPECT_EQ((*rows)[3].setup, "1");
 }
 
+TEST(GeodeticFile, AnAzimuthNeedsNoSetUp) {
+  const auto rows = parse_geodetic("from,to,azimuth_gon,sigma_azimuth_mgon\nA,B,100,5\n");
+  ASSERT_TRUE(rows) << rows.error().message;
+  ASSERT_EQ(rows->size(), 1u);
+  EXPECT_EQ((*rows)[0].kind, GeodeticKind::kAzimuth);
+  EXPECT_NEAR((*rows)[0].value, std::numbers::pi / 2, 1e-15);
+  EXPECT_NEAR((*rows)[0].sigma, std::numbers::pi / 40000, 1e-15);
+  EXPECT_EQ(parse_geodetic("from,to,azimuth_deg,sigma_azimuth_arcsec\nA,B,361,5\n").error().message,
+            "line 2: the azimuth A - B is beyond a full circle of 360 degrees, 400 gon");
+  EXPECT_EQ(parse_geodetic("from,to,azimuth_deg\nA,B,36\n").error().message,
+            "line 1: column azimuth_deg needs a column sigma_azimuth_arcsec");
+}
+
+TEST(GeodeticFile, AVectorHasItsCovariance) {
+  const std::string title = "from,to,dx_m,dy_m,dz_m,xx_m2,xy_m2,xz_m2,yy_m2,yz_m2,zz_m2\n";
+  const auto rows = parse_geodetic(title + "A,B,1,2,3,4e-6,1e-6,0,5e-6,-1e-6,9e-6\n");
+  ASSERT_TRUE(rows) << rows.error().message;
+  ASSERT_EQ(rows->size(), 1u);
+  const GeodeticFileRow& row = (*rows)[0];
+  EXPECT_EQ(row.kind, GeodeticKind::kGnssVector);
+  EXPECT_TRUE(row.is_geocentric);
+  EXPECT_FALSE(row.vector.is_local);
+  EXPECT_EQ(row.vector.vector, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(row.vector.covariance_m2(2, 1), -1e-6);
+  EXPECT_EQ(row.vector.covariance_m2(0, 1), 1e-6);
+  const auto local =
+      parse_geodetic("from,to,de_m,dn_m,du_m,ee_m2,en_m2,eu_m2,nn_m2,nu_m2,uu_m2\nA,B,1,2,3,1,0,0,1,0,1\n");
+  ASSERT_TRUE(local) << local.error().message;
+  EXPECT_TRUE((*local)[0].vector.is_local);
+  const auto error = [](const std::string& text) { return parse_geodetic(text).error().message; };
+  EXPECT_EQ(error(title + "A,B,1,2,3,4e-6,1,0,5e-6,0,9e-6\n"),
+            "line 2: the covariance of A - B is none: it has to be positive definite");
+  EXPECT_TRUE(error(title + "A,B,1,2,,4e-6,0,0,5e-6,0,9e-6\n").starts_with("line 2: dz_m"));
+  EXPECT_EQ(error("from,to,dx_m,dy_m,dz_m,xx_m2,yy_m2,zz_m2\nA,B,1,2,3,1,1,1\n"),
+            "line 1: a vector has three components and a covariance of six; missing: xy_m2, xz_m2, yz_m2");
+}
+
 TEST(GeodeticFile, WhatIsWrongIsStatedWithItsLine) {
   const auto message = [](const char* text) {
     const auto rows = parse_geodetic(text);

@@ -7,9 +7,11 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "collinea/adjust/test_block.h"
 #include "collinea/base/file.h"
 #include "collinea/base/source_tree.h"
 #include "collinea/base/test_folder.h"
+#include "collinea/io/adjustment_file.h"
 #include "collinea/io/text.h"
 #include "collinea/jobs/adjust_project.h"
 #include "collinea/steps/flow.h"
@@ -142,6 +144,97 @@ TEST(AdjustFile, TheExampleOfTheManualAdjusts) {
     }
   }
   EXPECT_LT(report.at("sigma0").get<double>(), 2);
+}
+
+/// A block of coded targets without any coordinates: images, rough poses in a unit of its own, bars between targets.
+struct BarBlock {
+  testing::Marked made = testing::marked({.rows = 2, .columns = 3, .points = 60, .sigma_px = 0.3, .seed = 2});
+
+  BarBlock() {
+    for (auto [id, pose] : oriented_images(made.block)) {
+      pose.translation *= 1.3;
+      set_pose(made.block, id, pose);
+    }
+    for (auto& [id, point] : made.block.points) point.position_in_world *= 1.3;
+  }
+  void bar(std::uint32_t from, std::uint32_t to, double error_m) {
+    made.measure(GeodeticKind::kDistance, from, to, 0.001);
+    made.block.geodetic.back().value += error_m;
+  }
+  // Without the lines of points that have no coordinates.
+  [[nodiscard]] std::string text() const {
+    AdjustmentFile file{.block = made.block};
+    file.given_cameras = made.block.cameras;
+    for (const auto& [id, camera] : made.block.cameras) file.camera_sigmas[id] = {};
+    const std::string whole = adjustment_file_text(file);
+    std::string text;
+    for (const std::string_view line : lines_of(whole))
+      if (!line.starts_with("control ")) text += std::string(line) + "\n";
+    return text;
+  }
+};
+
+TEST(AdjustFile, AScaleBarBetweenTargetsGivesTheScale) {
+  BarBlock block;
+  block.bar(0, 3, 0);
+  block.bar(1, 4, 0.001);
+  const TestFolder folder;
+  ASSERT_TRUE(write_file(folder / "bars.txt", block.text()));
+  const auto done = adjust_file(folder / "bars.txt", folder / "out", {.loss = Loss::kNone}, {});
+  ASSERT_TRUE(done) << done.error().message;
+  const json report = report_in(folder / "out");
+  ASSERT_EQ(report.at("geodetic").size(), 2u);
+  for (const json& bar : report.at("geodetic")) {
+    EXPECT_LT(std::abs(bar.at("difference").get<double>()), 0.003);
+    EXPECT_GT(std::abs(bar.at("difference").get<double>()), 1e-6);
+  }
+  // All targets are as far from each other as they truly are, and not 1.3 times that.
+  std::map<std::string, Eigen::Vector3d> found;
+  for (const auto& [name, row] : table_in(folder / "out" / "control.csv"))
+    if (row.size() > 17 && number(row[15]))
+      found[name] = {number(row[15]).value(), number(row[16]).value(), number(row[17]).value()};
+  ASSERT_EQ(found.size(), block.made.truth.size());
+  for (const auto& [a, at_a] : block.made.truth)
+    for (const auto& [b, at_b] : block.made.truth) {
+      const auto at = [&](ControlId id) { return found.at("\"gcp" + std::to_string(id.value) + "\""); };
+      EXPECT_NEAR((at(a) - at(b)).norm(), (at_a - at_b).norm(), 0.05);
+    }
+}
+
+TEST(AdjustFile, BarsThatContradictEachOtherAreNamed) {
+  BarBlock block;
+  block.bar(0, 3, 0);
+  block.bar(1, 4, 0.5);
+  const TestFolder folder;
+  ASSERT_TRUE(write_file(folder / "bars.txt", block.text()));
+  const auto done = adjust_file(folder / "bars.txt", folder / "out", {.loss = Loss::kNone}, {});
+  const std::string named =
+      done ? report_in(folder / "out").at("reliability").at("suspects").dump() : done.error().message;
+  for (const char* bar : {"gcp0 - gcp3", "gcp1 - gcp4"}) EXPECT_NE(named.find(bar), std::string::npos) << named;
+}
+
+// An end that a single image shows has no position to begin at, and a bar between names that nobody marked is none.
+TEST(AdjustFile, ABarThatNothingHoldsIsNamed) {
+  BarBlock block;
+  block.bar(0, 3, 0);
+  const std::string good = block.text();
+  const TestFolder folder;
+  const auto message = [&](const std::string& text) {
+    EXPECT_TRUE(write_file(folder / "bars.txt", text));
+    const auto done = adjust_file(folder / "bars.txt", folder / "out", {}, {});
+    return done ? std::string("accepted") : done.error().message;
+  };
+  EXPECT_NE(message(good + "ground distance gcp0 gcp77 3 0.01 control\n").find("no control or check point \"gcp77\""),
+            std::string::npos);
+  std::string once;
+  int seen = 0;
+  for (const std::string_view line : lines_of(good))
+    if (line.find(" gcp3 ") == std::string_view::npos || !line.starts_with("measured_") || seen++ == 0)
+      once += std::string(line) + "\n";
+  EXPECT_NE(message(once).find("or measure it in a second image"), std::string::npos);
+  // With a line of its own it is accepted, and the bar is reported to take no part.
+  EXPECT_EQ(message(once + "control gcp3 - - - - - -\n"), "accepted");
+  EXPECT_NE(report_in(folder / "out").dump().find("geodetic_left_out"), std::string::npos);
 }
 
 std::string line_of_words(std::initializer_list<std::string_view> words) {

@@ -156,6 +156,7 @@ Result<AdjustmentReport> adjust_file(const std::filesystem::path& path, const st
                 "be worth",
                 {"given_sigmas"_option});
   COLLINEA_TRY(AdjustmentFile file, read_adjustment(path));
+  COLLINEA_TRY(set_deflection(asked, file.block));
   if (Result<> completed = complete(file.block, run); !completed)
     return tl::unexpected(std::move(completed).error().within(path.string()));
   AdjustmentTask task{.block = {},

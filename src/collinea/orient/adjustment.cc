@@ -2,6 +2,7 @@
 #include "collinea/orient/adjustment.h"
 
 #include <algorithm>
+#include <numbers>
 #include <set>
 #include <string>
 #include <string_view>
@@ -119,6 +120,19 @@ Result<std::vector<std::string>> set_additional(const AdjustmentOptions& asked, 
     return fail(Errc::kBadInput, "additional parameters are to be fixed, but no camera has any",
                 {"additional_fixed"_option, "additional"_option});
   return std::vector<std::string>(instead.begin(), instead.end());
+}
+
+Result<> set_deflection(const AdjustmentOptions& asked, Block& block) {
+  if (!asked.deflection_north_arcsec && !asked.deflection_east_arcsec) return {};
+  if (!block.georeference)
+    return fail(Errc::kBadInput,
+                "the deflection of the vertical is that from the ellipsoid: it needs a block with a location on Earth",
+                {"deflection_north_arcsec"_option, "deflection_east_arcsec"_option});
+  constexpr double kArcsecond = std::numbers::pi / 180 / 3600;
+  Georeference& frame = *block.georeference;
+  if (const auto& north = asked.deflection_north_arcsec) frame.deflection_north_rad = *north * kArcsecond;
+  if (const auto& east = asked.deflection_east_arcsec) frame.deflection_east_rad = *east * kArcsecond;
+  return {};
 }
 
 Result<Adjustment> adjust_block(AdjustmentTask task, const AdjustmentOptions& asked, const Run& run) {

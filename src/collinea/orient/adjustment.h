@@ -43,6 +43,9 @@ struct Adjustment {
 /// to be fixed that there are not.
 [[nodiscard]] Result<std::vector<std::string>> set_additional(const AdjustmentOptions& asked, AdjustmentTask& task);
 
+/// Gives the block the deflection of the vertical that was asked for. Errors: the block has no location on Earth.
+[[nodiscard]] Result<> set_deflection(const AdjustmentOptions& asked, Block& block);
+
 /// Adjusts as asked for: refraction, data snooping, variance components, tests of additional parameters. Errors: those
 /// of adjust(); refraction of a block without location on Earth.
 [[nodiscard]] Result<Adjustment> adjust_block(AdjustmentTask task, const AdjustmentOptions& asked, const Run& run);

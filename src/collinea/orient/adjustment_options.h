@@ -58,6 +58,7 @@ struct AdjustmentOptions {
   std::string additional_fixed;
   double additional_level = 0.01;
   RefractionChoice refraction = RefractionChoice::kAuto;
+  std::optional<double> deflection_north_arcsec, deflection_east_arcsec;
   std::optional<Loss::Kind> loss;
   double loss_scale_sigmas = 2;
   bool use_positions = true;
@@ -87,6 +88,12 @@ struct AdjustmentOptions {
                 "chance that one that is zero is called significant; of 44 less than one is then", 1e-12, 0.5});
     visit(Field{"refraction", &O::refraction, "",
                 "correct the measurements for the refraction of a standard atmosphere"});
+    visit(Field{"deflection_north_arcsec", &O::deflection_north_arcsec, "arcsec",
+                "deflection of the vertical in the block, xi: by how much the plumb line points north of the "
+                "ellipsoid's normal; of zenith angles, directions, azimuths and height differences",
+                -300, 300});
+    visit(
+        Field{"deflection_east_arcsec", &O::deflection_east_arcsec, "arcsec", "the same to the east, eta", -300, 300});
     visit(Field{"loss", &O::loss, "", "robust loss of tie points and positions"}.or_auto(
         "huber; of the tie points of a project none: their wrong matches are out"));
     visit(

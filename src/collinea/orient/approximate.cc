@@ -17,6 +17,11 @@ namespace {
 constexpr double kLoosePart = 0.1;
 constexpr int kLeastPoints = 4;  // three have up to four solutions
 
+// Marked, and not surveyed on all axes: its position is to be found.
+bool is_only_marked(const ControlPoint& control) {
+  return control.role == ControlRole::kControl && !control.sigma_m.allFinite();
+}
+
 struct Known {
   std::vector<Eigen::Vector2d> pixels;
   std::vector<Eigen::Vector3d> positions;
@@ -29,14 +34,19 @@ class Approximator {
       of_image_[block.observations[i].image].push_back(i);
       of_point_[block.observations[i].point].push_back(i);
     }
+    for (std::size_t i = 0; i < block.control_observations.size(); ++i)
+      if (const ControlId point = block.control_observations[i].point; is_only_marked(block.control.at(point)))
+        of_mark_[point].push_back(i);
   }
 
   Result<Approximation> approximate() {
     std::set<PointId> missing;
     for (const auto& [point, positions] : of_point_)
       if (!block_.points.contains(point)) missing.insert(point);
-    intersect_all(missing);
-    while (resect_best()) intersect_all(missing);
+    do {
+      intersect_all(missing);
+      intersect_marks();
+    } while (resect_best());
     if (oriented_images(block_).empty())
       return fail(
           Errc::kIllPosed,
@@ -45,6 +55,8 @@ class Approximator {
     for (const auto& [id, image] : block_.images)
       if (!is_oriented(block_, id)) found_.without_pose.push_back(id);
     found_.without_position.assign(missing.begin(), missing.end());
+    for (const auto& [point, rows] : of_mark_)
+      if (!marks_.contains(point)) found_.marked_without_position.push_back(point);
     return std::move(found_);
   }
 
@@ -53,9 +65,11 @@ class Approximator {
     Known known;
     for (const ControlObservation& seen : block_.control_observations) {
       const ControlPoint& control = block_.control.at(seen.point);
-      if (seen.image != image || control.role != ControlRole::kControl || !control.sigma_m.allFinite()) continue;
+      const auto mark = marks_.find(seen.point);
+      const bool is_given = control.role == ControlRole::kControl && control.sigma_m.allFinite();
+      if (seen.image != image || (!is_given && mark == marks_.end())) continue;
       known.pixels.push_back(seen.pixel);
-      known.positions.push_back(control.position_in_world);
+      known.positions.push_back(is_given ? control.position_in_world : mark->second);
     }
     if (const auto its = of_image_.find(image); its != of_image_.end())
       for (const std::size_t i : its->second)
@@ -92,15 +106,28 @@ class Approximator {
     return false;
   }
 
+  [[nodiscard]] std::optional<Intersection> met_by(const auto& observations, const std::vector<std::size_t>& rows) {
+    std::vector<SightLine> lines;
+    for (const std::size_t i : rows)
+      if (const std::optional<Rigid3> pose = find_pose(block_, observations[i].image))
+        lines.push_back({&block_.camera_of(observations[i].image), *pose, observations[i].pixel,
+                         observations[i].sigma_px, observations[i].shape});
+    return intersect(lines);
+  }
+
+  void intersect_marks() {
+    for (const auto& [point, rows] : of_mark_) {
+      if (marks_.contains(point)) continue;
+      const auto met = met_by(block_.control_observations, rows);
+      if (!met) continue;
+      marks_[point] = met->point_in_world;
+      ++found_.intersected;
+    }
+  }
+
   void intersect_all(std::set<PointId>& missing) {
     for (auto point = missing.begin(); point != missing.end();) {
-      std::vector<SightLine> lines;
-      for (const std::size_t i : of_point_.at(*point)) {
-        const Observation& seen = block_.observations[i];
-        if (const std::optional<Rigid3> pose = find_pose(block_, seen.image))
-          lines.push_back({&block_.camera_of(seen.image), *pose, seen.pixel, seen.sigma_px});
-      }
-      const auto met = intersect(lines);
+      const auto met = met_by(block_.observations, of_point_.at(*point));
       if (!met) {
         ++point;
         continue;
@@ -115,6 +142,8 @@ class Approximator {
   std::uint64_t seed_;
   std::map<ImageId, std::vector<std::size_t>> of_image_;
   std::map<PointId, std::vector<std::size_t>> of_point_;
+  std::map<ControlId, std::vector<std::size_t>> of_mark_;  // of those that have no coordinates
+  std::map<ControlId, Eigen::Vector3d> marks_;             // where these were found
   Approximation found_;
 };
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "collinea/geometry/rotation.h"
 
 namespace collinea {
@@ -67,6 +69,28 @@ TEST(Approximate, FindsEveryPoseAndPointFromControlOfTheFirstImages) {
   EXPECT_GT(block.points.size(), 10u);
   for (const auto& [id, point] : block.points)
     EXPECT_LT((point.position_in_world - scene.truth.points.at(id).position_in_world).norm(), 1e-5);
+}
+
+// Points with names and no coordinates, and the poses of two images, are enough for the others.
+TEST(Approximate, ResectsByPointsThatAreOnlyMarked) {
+  const Scene scene;
+  std::vector<std::uint32_t> all;
+  for (const auto& [id, point] : scene.truth.points) all.push_back(id.value);
+  Block block = scene.with_control(all);
+  for (auto& [id, point] : block.control) {
+    point.position_in_world.setConstant(std::numeric_limits<double>::quiet_NaN());
+    point.sigma_m.setConstant(std::numeric_limits<double>::infinity());
+  }
+  ASSERT_FALSE(approximate(block, 1));
+  for (const std::uint32_t i : {0u, 1u}) set_pose(block, {i}, pose_of(scene.truth, {i}));
+  block.control[{99}] = block.control.at({0});
+  block.control_observations.push_back({{99}, {0}, {5, 5}, 1});
+  const auto found = approximate(block, 1);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->resected.size(), 2u);
+  EXPECT_EQ(found->marked_without_position, std::vector<ControlId>{{99}});
+  for (const auto& [id, pose] : oriented_images(scene.truth))
+    EXPECT_LT((centre_of(pose_of(block, id)) - centre_of(pose)).norm(), 1e-5);
 }
 
 TEST(Approximate, NamesWhatItCannotFind) {

@@ -116,7 +116,8 @@ std::vector<Finding> by_rays(const Block& block) {
   std::uint32_t next = 0;
   for (const auto& [id, point] : block.control) next = std::max(next, id.value + 1);
   for (const Observation& seen : block.observations)
-    probe.control_observations.push_back({ControlId{next + seen.point.value}, seen.image, seen.pixel, seen.sigma_px});
+    probe.control_observations.push_back(
+        {ControlId{next + seen.point.value}, seen.image, seen.pixel, seen.sigma_px, seen.shape});
   std::vector<Finding> findings = check_marks(probe).findings;
   std::erase_if(findings, [](const Finding& one) { return one.code == FindingCode::kMarksCorrected; });
   return findings;

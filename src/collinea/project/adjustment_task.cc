@@ -81,6 +81,7 @@ Result<ProjectAdjustment> adjustment_of(const Project& project, const Adjustment
   COLLINEA_TRY(const Block setup, project.store.read_setup());
   AdjustmentTask& task = result.task;
   COLLINEA_TRY(task.block, project.store.read_found());
+  COLLINEA_TRY(set_deflection(asked, task.block));
   task.instruments = changed(orientation.instruments, asked.instruments);
   task.scope = {.first_cameras = setup.cameras,
                 .use_positions = asked.use_positions && orientation.used_positions,

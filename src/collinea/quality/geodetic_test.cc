@@ -7,9 +7,12 @@
 #include <numbers>
 
 #include "collinea/adjust/geodetic_model.h"
+#include "collinea/block/gnss_vector.h"
+#include "collinea/block/world_frame.h"
 #include "collinea/geometry/similarity3.h"
 #include "collinea/quality/examine.h"
 #include "collinea/quality/internal/test_examine.h"
+#include "collinea/quality/snooping.h"
 #include "collinea/quality/variance_components.h"
 
 namespace collinea {
@@ -36,33 +39,103 @@ TEST(GeodeticModel, DerivativesAreThoseOfDifferences) {
   for (int i = 0; i < 40; ++i) {
     const Eigen::Vector3d from = 300 * normal3(random), to = 300 * normal3(random);
     for (const GeodeticKind kind : {GeodeticKind::kDistance, GeodeticKind::kHeightDifference, GeodeticKind::kDirection,
-                                    GeodeticKind::kZenithAngle})
+                                    GeodeticKind::kZenithAngle, GeodeticKind::kAzimuth, GeodeticKind::kGnssVector})
       for (const bool curved : {false, true}) {
-        const GeodeticObservation one{.kind = kind, .instrument_height_m = 1.6, .target_height_m = 0.3};
-        const GeodeticModel model = geodetic_model(one, from, to, 0.4, curved);
+        const GeodeticObservation one{.kind = kind,
+                                      .instrument_height_m = 1.6,
+                                      .target_height_m = 0.3,
+                                      .along = {0.48, -0.6, 0.64},
+                                      .is_local = i % 2 == 0};
+        const Earth earth{.is_round = curved,
+                          .pole = {0, 0.6, 0.8},
+                          .deflection_rad = curved ? Eigen::Vector2d(1e-4, -2e-4) : Eigen::Vector2d::Zero()};
+        const GeodeticModel model = geodetic_model(one, from, to, 0.4, earth);
         constexpr double kStep_m = 1e-3;
         for (int c = 0; c < 3; ++c) {
           const Eigen::Vector3d step = kStep_m * Eigen::Vector3d::Unit(c);
           const auto slope = [&](const Eigen::Vector3d& df, const Eigen::Vector3d& dt) {
-            const double change = geodetic_model(one, from + df, to + dt, 0.4, curved).computed -
-                                  geodetic_model(one, from - df, to - dt, 0.4, curved).computed;
+            const double change = geodetic_model(one, from + df, to + dt, 0.4, earth).computed -
+                                  geodetic_model(one, from - df, to - dt, 0.4, earth).computed;
             return (one.is_angle() ? std::remainder(change, 2 * std::numbers::pi) : change) / (2 * kStep_m);
           };
-          // What the derivatives leave out of a round Earth: 1e-6 times what they are where lines are not steep.
-          const double tolerance = curved ? 2e-6 : 1e-8;
+          // What the derivatives leave out of a round Earth: 1e-6 times what they are where lines are not steep; of a
+          // vector the length over the Earth's radius.
+          const double tolerance = !curved ? 1e-8 : kind == GeodeticKind::kGnssVector ? 4e-4 : 2e-6;
           EXPECT_NEAR(slope(step, {0, 0, 0}), model.by_from[c], tolerance) << static_cast<int>(kind);
           EXPECT_NEAR(slope({0, 0, 0}, step), model.by_to[c], tolerance) << static_cast<int>(kind);
         }
-        const double rotated = geodetic_model(one, from, to, 0.4 + 1e-3, curved).computed - model.computed;
+        const double rotated = geodetic_model(one, from, to, 0.4 + 1e-3, earth).computed - model.computed;
         EXPECT_NEAR(rotated, 1e-3 * model.by_auxiliary[0], 1e-12);
       }
   }
 }
 
+// At 48 degrees of latitude the meridians of points a kilometre apart converge by 36 seconds of arc: the azimuth there
+// and that back differ by it. At the pole's own axis it would be a turn.
+TEST(GeodeticModel, MeridiansConverge) {
+  const double latitude = 48 * std::numbers::pi / 180;
+  const Earth earth{.is_round = true, .pole = {0, std::cos(latitude), std::sin(latitude)}};
+  const GeodeticObservation one{.kind = GeodeticKind::kAzimuth};
+  const Eigen::Vector3d here(0, 0, 0), there(1000, 0, 0);
+  EXPECT_NEAR(geodetic_model(one, here, there, 0, earth).computed, std::numbers::pi / 2, 1e-12);
+  const double convergence = 1000 / 6371000.0 * std::tan(latitude);
+  EXPECT_NEAR(geodetic_model(one, there, here, 0, earth).computed, -std::numbers::pi / 2 + convergence, 1e-8);
+  EXPECT_NEAR(geodetic_model(one, there, here, 0, {}).computed, -std::numbers::pi / 2, 1e-12);
+}
+
+// Ten seconds of arc to the north: a level line to the north falls by 48 mm below the ellipsoid in a kilometre, a
+// target there is seen nearer to the zenith. Laplace: the astronomical azimuth is larger by eta tan(latitude).
+TEST(GeodeticModel, TheDeflectionTiltsWhatIsLevelled) {
+  constexpr double kTilt_rad = 10 * std::numbers::pi / 180 / 3600;
+  const double latitude = 48 * std::numbers::pi / 180;
+  const Earth plain{.is_round = true, .pole = {0, std::cos(latitude), std::sin(latitude)}};
+  Earth north = plain, east = plain;
+  north.deflection_rad = {kTilt_rad, 0};
+  east.deflection_rad = {0, kTilt_rad};
+  const Eigen::Vector3d here(0, 0, 0), there(0, 1000, 0);
+  const auto change = [&](GeodeticKind kind, const Earth& earth) {
+    const GeodeticObservation one{.kind = kind};
+    return geodetic_model(one, here, there, 0, earth).computed - geodetic_model(one, here, there, 0, plain).computed;
+  };
+  EXPECT_NEAR(change(GeodeticKind::kHeightDifference, north), 0.04848, 1e-5);
+  EXPECT_NEAR(change(GeodeticKind::kZenithAngle, north), -kTilt_rad, 1e-9);
+  EXPECT_NEAR(change(GeodeticKind::kHeightDifference, east), 0, 1e-9);
+  EXPECT_NEAR(change(GeodeticKind::kAzimuth, east), kTilt_rad * std::tan(latitude), 1e-8);
+  EXPECT_NEAR(change(GeodeticKind::kDistance, east), 0, 1e-12);
+}
+
+// Levelled heights and zenith angles fit control once the plumb line is where it was.
+TEST(Geodetic, TheDeflectionOfTheBlockIsTakenFromItsGeoreference) {
+  Marked made = marked({.rows = 2, .columns = 3, .points = 60});
+  const double latitude = 48 * std::numbers::pi / 180;
+  const Earth earth{
+      .is_round = true, .pole = {0, std::cos(latitude), std::sin(latitude)}, .deflection_rad = {2e-3, -1e-3}};
+  for (auto& [id, point] : made.block.control) point.sigma_m.setConstant(0.001);
+  for (std::uint32_t to = 1; to < 6; ++to)
+    for (const GeodeticKind kind : {GeodeticKind::kHeightDifference, GeodeticKind::kZenithAngle}) {
+      GeodeticObservation one{.kind = kind, .from = {0}, .to = {to}, .sigma = 1e-3, .role = ControlRole::kCheck};
+      one.value = geodetic_model(one, made.truth.at({0}), made.truth.at({to}), 0, earth).computed;
+      made.block.geodetic.push_back(one);
+    }
+  const auto largest = [&] {
+    const auto adjusted = examine(made.block, {}, tested(), kRun);
+    EXPECT_TRUE(adjusted && adjusted->geodetic.size() == 10);
+    double difference = 0;
+    for (const GeodeticDifference& one : adjusted->geodetic)
+      difference = std::max(difference, std::abs(one.difference));
+    return difference;
+  };
+  made.block.georeference = Georeference{"EPSG:32633", 48, 15, 300};
+  EXPECT_GT(largest(), 0.01);
+  made.block.georeference->deflection_north_rad = 2e-3;
+  made.block.georeference->deflection_east_rad = -1e-3;
+  EXPECT_LT(largest(), 1e-6);
+}
+
 TEST(GeodeticModel, TheEarthIsRound) {
   const GeodeticObservation levelled{.kind = GeodeticKind::kHeightDifference};
-  EXPECT_NEAR(geodetic_model(levelled, {0, 0, 0}, {1000, 0, 0}, 0, true).computed, 1e6 / (2 * 6371000.0), 1e-6);
-  EXPECT_EQ(geodetic_model(levelled, {0, 0, 0}, {1000, 0, 0}, 0, false).computed, 0);
+  EXPECT_NEAR(geodetic_model(levelled, {0, 0, 0}, {1000, 0, 0}, 0, {true}).computed, 1e6 / (2 * 6371000.0), 1e-6);
+  EXPECT_EQ(geodetic_model(levelled, {0, 0, 0}, {1000, 0, 0}, 0, {}).computed, 0);
 }
 
 TEST(Geodetic, OneDistanceGivesAFreeBlockItsScale) {
@@ -157,6 +230,122 @@ TEST(Geodetic, ErrorsOfDistancesAreAsLargeAsTheirSigmas) {
   const double tolerance = 4 * std::sqrt(2.0 / kBlocks);
   EXPECT_NEAR(squares / kBlocks, 1, tolerance);
   EXPECT_NEAR(residuals / kBlocks, 1, tolerance);
+}
+
+// North is seen by azimuths alone, on a round Earth: its error over its sigma is a standard normal variable, of 100
+// blocks.
+TEST(Geodetic, ErrorsOfAzimuthsAreAsLargeAsTheirSigmas) {
+  double squares = 0, residuals = 0;
+  constexpr int kBlocks = 100;
+  constexpr double kSigma_rad = 1e-3, kLatitude = 48 * std::numbers::pi / 180;
+  const Earth earth{.is_round = true, .pole = {0, std::cos(kLatitude), std::sin(kLatitude)}};
+  for (int i = 0; i < kBlocks; ++i) {
+    const auto seed = static_cast<std::uint64_t>(i + 1);
+    Marked made = marked({.rows = 2, .columns = 3, .points = 60, .sigma_px = 0.5, .seed = seed});
+    made.block.georeference = Georeference{"EPSG:32633", 48, 15, 300};
+    Random random(seed, 9);
+    const auto measure = [&](GeodeticKind kind, std::uint32_t from, std::uint32_t to, double sigma) {
+      GeodeticObservation one{.kind = kind, .from = {from}, .to = {to}, .sigma = sigma};
+      one.value = geodetic_model(one, made.truth.at(one.from), made.truth.at(one.to), 0, earth).computed +
+                  sigma * random.normal();
+      made.block.geodetic.push_back(one);
+    };
+    for (const std::uint32_t to : {3u, 4u}) measure(GeodeticKind::kAzimuth, to - 3, to, kSigma_rad);
+    measure(GeodeticKind::kAzimuth, 2, 5, 1);
+    made.block.geodetic.back().role = ControlRole::kCheck;
+    measure(GeodeticKind::kDistance, 0, 3, 0.01);
+    for (const std::uint32_t to : {3u, 4u, 6u}) measure(GeodeticKind::kHeightDifference, to - 3, to, 0.005);
+    ExamineOptions options = tested(Calibration::kFocal);
+    options.test.sigma0_known = true;
+    const auto adjusted = examine(made.block, {}, options, kRun);
+    ASSERT_TRUE(adjusted && adjusted->geodetic.size() == 7) << i;
+    EXPECT_EQ(adjusted->rank_defect, 3);
+    const GeodeticDifference& check = adjusted->geodetic[2];
+    const double truth =
+        geodetic_model(made.block.geodetic[2], made.truth.at({2}), made.truth.at({5}), 0, earth).computed;
+    squares += std::pow(std::remainder(check.adjusted - truth, 2 * std::numbers::pi) / check.sigma, 2);
+    for (int k = 0; k < 2; ++k)
+      residuals += std::pow(adjusted->geodetic[k].difference / adjusted->geodetic[k].difference_sigma, 2) / 2;
+  }
+  const double tolerance = 4 * std::sqrt(2.0 / kBlocks);
+  EXPECT_NEAR(squares / kBlocks, 1, tolerance);
+  EXPECT_NEAR(residuals / kBlocks, 1, tolerance);
+}
+
+// East, north and up of a receiver three kilometres from the origin are those of the ellipsoid there.
+TEST(GeodeticModel, LocalAxesOfAVectorAreThoseOfItsFirstPoint) {
+  const Georeference position{"EPSG:32633", 48.2, 15.63, 300};
+  const auto frame = world_frame(position);
+  ASSERT_TRUE(frame);
+  const double latitude = position.origin_latitude_deg * std::numbers::pi / 180;
+  const Earth earth{.is_round = true, .pole = {0, std::cos(latitude), std::sin(latitude)}};
+  const Eigen::Vector3d from(2000, -2300, 40), to(2600, -1400, 15);
+  const Eigen::Vector3d there = frame->geographic_from_local(from);
+  const auto at = LocalFrame::create(position.crs, there.x(), there.y(), there.z());
+  ASSERT_TRUE(at);
+  const Eigen::Vector3d local = at->local_from_geographic(frame->geographic_from_local(to));
+  for (int axis = 0; axis < 3; ++axis) {
+    const GeodeticObservation one{
+        .kind = GeodeticKind::kGnssVector, .along = Eigen::Vector3d::Unit(axis), .is_local = true};
+    EXPECT_NEAR(geodetic_model(one, from, to, 0, earth).computed, local[axis], 0.002) << axis;  // of 1.1 km
+  }
+}
+
+// Three vectors place a block but for its position. What they are off, in sigmas, and the errors of a fourth that is
+// only compared are standard normal, of 100 blocks.
+TEST(Geodetic, ErrorsOfGnssVectorsAreAsLargeAsTheirSigmas) {
+  double squares = 0, residuals = 0, redundancy = 0;
+  constexpr int kBlocks = 100;
+  const Eigen::Matrix3d root = (Eigen::Matrix3d() << 5e-3, 0, 0, 2e-3, 4e-3, 0, -3e-3, 1e-3, 9e-3).finished();
+  for (int i = 0; i < kBlocks; ++i) {
+    const auto seed = static_cast<std::uint64_t>(i + 1);
+    Marked made = marked({.rows = 2, .columns = 3, .points = 60, .sigma_px = 0.5, .seed = seed});
+    Random random(seed, 9);
+    std::uint32_t number = 0;
+    const auto measure = [&](std::uint32_t from, std::uint32_t to, ControlRole role) {
+      GnssVector vector{.covariance_m2 = root * root.transpose()};
+      vector.vector = made.truth.at({to}) - made.truth.at({from}) + root * normal3(random);
+      const GeodeticObservation common{.from = {from}, .to = {to}, .role = role, .setup = number++};
+      const auto parts = observations_of(vector, common);
+      made.block.geodetic.insert(made.block.geodetic.end(), parts->begin(), parts->end());
+    };
+    measure(0, 3, ControlRole::kControl);
+    measure(1, 4, ControlRole::kControl);
+    measure(2, 6, ControlRole::kControl);
+    measure(5, 7, ControlRole::kCheck);
+    ExamineOptions options = tested(Calibration::kFocal);
+    options.test.sigma0_known = true;
+    const auto adjusted = examine(made.block, {}, options, kRun);
+    ASSERT_TRUE(adjusted && adjusted->geodetic.size() == 12) << i;
+    EXPECT_EQ(adjusted->rank_defect, 3);
+    for (std::size_t k = 9; k < 12; ++k) {
+      const GeodeticObservation& check = made.block.geodetic[k];
+      const double truth = check.along.dot(made.truth.at(check.to) - made.truth.at(check.from));
+      squares += std::pow((adjusted->geodetic[k].adjusted - truth) / adjusted->geodetic[k].sigma, 2) / 3;
+    }
+    const GroupSums& group = adjusted->reliability->groups[std::size_t(ObservationGroup::kGnssVector)];
+    residuals += group.squares;
+    redundancy += group.redundancy;
+  }
+  EXPECT_NEAR(squares / kBlocks, 1, 4 * std::sqrt(2.0 / kBlocks));
+  EXPECT_NEAR(residuals / redundancy, 1, 4 * std::sqrt(2 / redundancy));
+}
+
+// One wrong component is found, and all of the vector goes: its parts are one measurement.
+TEST(Geodetic, AWrongGnssVectorIsRejectedAsAWhole) {
+  Marked made = marked({.sigma_px = 0.5});
+  Random random(4);
+  for (std::uint32_t i = 1; i < 7; ++i) {
+    GnssVector vector{.covariance_m2 = Eigen::Vector3d(2e-5, 3e-5, 9e-5).asDiagonal()};
+    vector.vector = made.truth.at({i}) - made.truth.at({0}) + 0.005 * normal3(random);
+    if (i == 3) vector.vector.x() += 0.2;
+    const auto parts = observations_of(vector, {.from = {0}, .to = {i}, .setup = i});
+    made.block.geodetic.insert(made.block.geodetic.end(), parts->begin(), parts->end());
+  }
+  const auto snooped = snoop(made.block, {}, tested(Calibration::kFocalRadial), 100, kRun);
+  ASSERT_TRUE(snooped) << snooped.error().message;
+  for (const GeodeticDifference& one : snooped->adjusted.geodetic)
+    EXPECT_EQ(one.used, made.block.geodetic[one.observation].setup != 3) << one.observation;
 }
 
 TEST(Geodetic, AGrossErrorInADistanceIsFound) {

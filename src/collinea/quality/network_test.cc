@@ -9,6 +9,7 @@
 
 #include "collinea/adjust/geodetic_model.h"
 #include "collinea/adjust/geodetic_positions.h"
+#include "collinea/block/gnss_vector.h"
 #include "collinea/block/subject_label.h"
 #include "collinea/quality/examine.h"
 #include "collinea/quality/internal/test_examine.h"
@@ -33,7 +34,7 @@ struct Network : Marked {
   void observe(const GeodeticObservation& observation, double orientation_rad, double sigma, Random* random) {
     GeodeticObservation one = observation;
     one.sigma = sigma;
-    one.value = geodetic_model(one, truth.at(one.from), truth.at(one.to), orientation_rad, false).computed;
+    one.value = geodetic_model(one, truth.at(one.from), truth.at(one.to), orientation_rad, {}).computed;
     if (random) one.value += sigma * random->normal();
     if (one.is_angle()) one.value = std::fmod(one.value + 4 * std::numbers::pi, 2 * std::numbers::pi);
     block.geodetic.push_back(one);
@@ -93,6 +94,43 @@ TEST(Network, PositionsOfStationsAreFoundFromWhatTheyMeasured) {
   links.resize(angles.block.geodetic.size());
   bundle::find_positions_by_geodetic(angles.block, links, positions);
   EXPECT_LT((positions.at({4}) - made.truth.at({4})).norm(), 1e-9);
+}
+
+TEST(Network, AGnssVectorPlacesItsOtherEnd) {
+  Network made = network(1, 0, false);
+  made.block.geodetic.clear();
+  const GnssVector vector{.vector = made.truth.at({5}) - made.truth.at({4}) + Eigen::Vector3d(0, 0, 0.5),
+                          .covariance_m2 = Eigen::Vector3d(1, 2, 3).asDiagonal()};
+  GeodeticObservation common{.from = {4}, .to = {5}, .setup = 0};
+  common.instrument_height_m = 1.5;
+  common.target_height_m = 2;
+  const auto parts = observations_of(vector, common);
+  made.block.geodetic.assign(parts->begin(), parts->end());
+  for (const std::uint32_t lost : {4u, 5u}) {
+    std::map<ControlId, Eigen::Vector3d> positions = made.truth;
+    positions.erase({lost});
+    bundle::find_positions_by_geodetic(made.block, {0, 1, 2}, positions);
+    ASSERT_TRUE(positions.contains({lost}));
+    EXPECT_LT((positions.at({lost}) - made.truth.at({lost})).norm(), 1e-9);
+  }
+}
+
+TEST(Network, AzimuthsPlaceAStationFromOnePoint) {
+  Network made = network(1, 0, false);
+  made.block.geodetic.clear();
+  const ControlId station{Network::kFirst};
+  GeodeticObservation one{.from = station, .to = {4}};
+  for (const GeodeticKind kind : {GeodeticKind::kAzimuth, GeodeticKind::kZenithAngle, GeodeticKind::kDistance}) {
+    one.kind = kind;
+    made.observe(one, 0, kSigma_rad, nullptr);
+  }
+  std::map<ControlId, Eigen::Vector3d> positions = made.truth;
+  for (const ControlId lost : {station, ControlId{4}}) {
+    positions.erase(lost);
+    bundle::find_positions_by_geodetic(made.block, {0, 1, 2}, positions);
+    ASSERT_TRUE(positions.contains(lost));
+    EXPECT_LT((positions.at(lost) - made.truth.at(lost)).norm(), 1e-9);
+  }
 }
 
 // The block's position and north are its own, its scale and level the network's.

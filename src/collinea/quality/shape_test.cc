@@ -55,19 +55,19 @@ TEST(Shape, DerivativesAreThoseOfDifferences) {
       const GeodeticObservation one{.kind = kind, .axis = axis};
       double unknowns[3] = {0.3, 0.2, -0.15};
       const Eigen::Vector3d point = 20 * normal3(random);
-      const GeodeticModel model = shape_model(one, *shape, unknowns, point, false);
+      const GeodeticModel model = shape_model(one, *shape, unknowns, point, {});
       constexpr double kStep = 1e-5;
       for (int c = 0; c < 3; ++c) {
         const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(c);
-        const double slope = (shape_model(one, *shape, unknowns, point + step, false).computed -
-                              shape_model(one, *shape, unknowns, point - step, false).computed) /
+        const double slope = (shape_model(one, *shape, unknowns, point + step, {}).computed -
+                              shape_model(one, *shape, unknowns, point - step, {}).computed) /
                              (2 * kStep);
         EXPECT_NEAR(slope, model.by_from[c], 1e-8) << words_of(one, {.control = {{ControlId{}, {}}}});
       }
       for (int k = 0; k < model.auxiliaries; ++k) {
         const auto at = [&](double by) {
           unknowns[k] += by;
-          const double computed = shape_model(one, *shape, unknowns, point, false).computed;
+          const double computed = shape_model(one, *shape, unknowns, point, {}).computed;
           unknowns[k] -= by;
           return computed;
         };

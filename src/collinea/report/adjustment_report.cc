@@ -36,6 +36,12 @@ std::vector<std::string> notes_of(const AdjustmentReport& report) {
     notes.push_back(
         fmt::format("refraction: {} measurements corrected by up to {:.3f} px{}", done->corrected, done->largest_px,
                     done->left == 0 ? "" : fmt::format("; {} left, more than 75 degrees from the nadir", done->left)));
+  if (const auto& frame = report.block.georeference;
+      frame && (frame->deflection_north_rad != 0 || frame->deflection_east_rad != 0)) {
+    constexpr double kArcseconds = 180 * 3600 / std::numbers::pi;
+    notes.push_back(fmt::format("deflection of the vertical: {:.2f}\" to the north, {:.2f}\" to the east",
+                                kArcseconds * frame->deflection_north_rad, kArcseconds * frame->deflection_east_rad));
+  }
   if (const auto& found = report.mismatches; found && found->size() > 0)
     notes.push_back(fmt::format("{} of {} measurements of tie points are mismatches and rejected, {} others with them",
                                 found->wrong.size(), found->tested, found->with_them.size()));

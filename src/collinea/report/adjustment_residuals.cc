@@ -90,11 +90,12 @@ Normality normality_of(const AdjustmentReport& report) {
   if (!adjusted.reliability) return found;
   double second = 0, fourth = 0;
   for (std::size_t i = 0; i < adjusted.observations.size(); ++i) {
-    const double sigma = report.block.observations[adjusted.observations[i]].sigma_px * sigma_scale(adjusted);
+    const Eigen::Vector2d sigmas =
+        report.block.observations[adjusted.observations[i]].sigmas_px() * sigma_scale(adjusted);
     for (int axis = 0; axis < 2; ++axis) {
       const double r = adjusted.reliability->tie_redundancy[i][axis], v = adjusted.residuals_px[i][axis];
       if (!(r > 0.05) || !std::isfinite(v)) continue;
-      const double t = v / (sigma * std::sqrt(r)), t2 = t * t;
+      const double t = v / (sigmas[axis] * std::sqrt(r)), t2 = t * t;
       found.n += 1;
       found.beyond_2 += t2 > 4;
       found.beyond_3 += t2 > 9;

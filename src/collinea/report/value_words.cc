@@ -29,6 +29,8 @@ constexpr GroupWords kGroups[] = {
     {ObservationGroup::kAtHeight, "equal heights"},
     {ObservationGroup::kOnPlane, "planes"},
     {ObservationGroup::kOnLine, "lines"},
+    {ObservationGroup::kAzimuth, "azimuths"},
+    {ObservationGroup::kGnssVector, "GNSS vectors"},
     {ObservationGroup::kAttitudeLevel, "attitudes, level"},
     {ObservationGroup::kAttitudeHeading, "attitudes, heading"},
 };

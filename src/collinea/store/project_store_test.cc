@@ -86,10 +86,16 @@ Block setup_block() {
   block.control[{11}] = point;
   block.control[{2}] = {"S", ControlRole::kCheck, any_vector(random), any_vector(random), {0.02, 0.02, 0.03}};
   block.control_observations.push_back({{9}, {1}, {1.0 / 3, 2.0 / 3}, 0.5});
+  block.control_observations.push_back({{9}, {2}, {1.0 / 3, 2.0 / 3}, 0.5, {1.7F, -0.3F}});
   block.geodetic.push_back(
       {GeodeticKind::kZenithAngle, "to the tower", {9}, {2}, 1.0 / 3, 1e-5, ControlRole::kCheck, 7, 1.6, 0.1});
   block.geodetic.push_back(
       {.kind = GeodeticKind::kOnLine, .name = "kerb", .from = {9}, .to = {9}, .sigma = 0.01, .setup = 0, .axis = 1});
+  GeodeticObservation vector{
+      .kind = GeodeticKind::kGnssVector, .from = {9}, .to = {2}, .sigma = 0.01, .setup = 3, .axis = 2};
+  vector.along = {0.48, 0.6, 0.64};
+  vector.is_local = true;
+  block.geodetic.push_back(vector);
   return block;
 }
 
@@ -167,6 +173,8 @@ void expect_same_control(const Block& a, const Block& b) {
               std::tie(other.kind, other.name, other.from, other.to, other.role, other.setup, other.axis));
     EXPECT_EQ(std::tie(one.value, one.sigma, one.instrument_height_m, one.target_height_m),
               std::tie(other.value, other.sigma, other.instrument_height_m, other.target_height_m));
+    EXPECT_EQ(one.along, other.along);
+    EXPECT_EQ(one.is_local, other.is_local);
   }
   ASSERT_EQ(a.control_observations.size(), b.control_observations.size());
   for (std::size_t i = 0; i < a.control_observations.size(); ++i) {
@@ -174,6 +182,7 @@ void expect_same_control(const Block& a, const Block& b) {
     EXPECT_EQ(a.control_observations[i].point, b.control_observations[i].point);
     EXPECT_TRUE(same_vector(a.control_observations[i].pixel, b.control_observations[i].pixel));
     EXPECT_TRUE(same_bits(a.control_observations[i].sigma_px, b.control_observations[i].sigma_px));
+    EXPECT_EQ(a.control_observations[i].shape, b.control_observations[i].shape);
   }
 }
 
@@ -372,7 +381,7 @@ TEST_F(ProjectStoreTest, TheHashOfTheSetupChangesWithEveryPartOfIt) {
   };
   const Block setup = setup_block();
   const std::uint64_t first = hash_of(setup);
-  std::vector<Block> changed(8, setup);
+  std::vector<Block> changed(9, setup);
   changed[0].georeference->origin_height_m += 1e-9;
   changed[1].cameras.begin()->second.prior.sigma_f_px += 1e-9;
   changed[2].images.begin()->second.position->sigma_m.z() *= 2;
@@ -381,6 +390,7 @@ TEST_F(ProjectStoreTest, TheHashOfTheSetupChangesWithEveryPartOfIt) {
   changed[5].control_observations.front().sigma_px *= 2;
   changed[6].geodetic.front().sigma *= 2;
   changed[7].geodetic.clear();
+  changed[8].control_observations.back().shape.correlation = 0;
   for (const Block& other : changed) EXPECT_NE(hash_of(other), first);
   EXPECT_EQ(hash_of(setup), first);
   ASSERT_TRUE(store.write_orientation(oriented_block(3)));

@@ -38,8 +38,15 @@ Result<> append_ray(const Block& block, const CandidateImages& images, const Obs
   if (!(observed.sigma_px > 0) || !std::isfinite(observed.sigma_px) || !observed.pixel.allFinite())
     return fail(Errc::kBadInput, "an observation in " + block.images.at(observed.image).file +
                                      " has no finite coordinates with a positive standard deviation");
-  rays.push_back(
-      {{observed.pixel.x(), observed.pixel.y()}, 1 / observed.sigma_px, image, static_cast<std::uint32_t>(source)});
+  if (!observed.shape.is_valid())
+    return fail(Errc::kBadInput, "an observation in " + block.images.at(observed.image).file +
+                                     " has a covariance that is none: standard deviations are above 0, the correlation "
+                                     "is between -1 and 1");
+  rays.push_back({{observed.pixel.x(), observed.pixel.y()},
+                  1 / observed.sigma_px,
+                  image,
+                  static_cast<std::uint32_t>(source),
+                  whitening_of(observed.shape)});
   return {};
 }
 

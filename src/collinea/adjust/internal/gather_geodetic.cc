@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "collinea/adjust/kind_geodetic.h"
@@ -19,6 +20,14 @@ UnknownKind unknown_of(GeodeticKind kind) {
   UnknownKind unknown{};
   geodetic::visit_kind<geodetic::ShapeKinds>(kind, [&]<class Shape>() { unknown = Shape::kUnknown; });
   return unknown;
+}
+
+Earth earth_of(const Block& block) {
+  if (!block.georeference) return {};
+  const double latitude = block.georeference->origin_latitude_deg * std::numbers::pi / 180;
+  return {.is_round = true,
+          .pole = {0, std::cos(latitude), std::sin(latitude)},
+          .deflection_rad = {block.georeference->deflection_north_rad, block.georeference->deflection_east_rad}};
 }
 
 /// The points of a shape that take part: those that determine it, and all.
@@ -53,7 +62,7 @@ class GeodeticLayout {
   }
 
   void lay_out(const std::vector<std::uint32_t>& links) {
-    problem_.level_at_origin = block_.georeference.has_value();
+    problem_.earth = earth_of(block_);
     begin_shapes(links);
     for (const std::uint32_t source : links) {
       const GeodeticObservation& measured = block_.geodetic[source];
@@ -88,7 +97,7 @@ class GeodeticLayout {
       constexpr double kZero = 0;
       for (const Eigen::Vector3d& position : positions)
         start_.auxiliaries.back() +=
-            shape_model({.kind = key.first}, *shape, &kZero, position, problem_.level_at_origin).computed /
+            shape_model({.kind = key.first}, *shape, &kZero, position, problem_.earth).computed /
             static_cast<double>(positions.size());
     }
   }

@@ -11,10 +11,19 @@
 
 // The kinds of geodetic measurements and constraints, one for each GeodeticKind: the computed value and its
 // derivatives. Each is in the file of its name. A new one is its file, a struct here and its entry in the closed list
-// at the end, a GeodeticKind and an ObservationGroup. Up is the z axis of the world or, `level_at_origin`, the plumb
-// line of a sphere that touches it there.
+// at the end, a GeodeticKind and an ObservationGroup. Earth says where up and north are.
 
 namespace collinea {
+
+/// Where up and north are in the world.
+struct Earth {
+  /// The z axis of the world is the plumb line at its origin and the Earth is a sphere there, of mean radius; otherwise
+  /// z is up everywhere.
+  bool is_round = false;
+  Eigen::Vector3d pole = Eigen::Vector3d::UnitY();  ///< axis of the Earth, northwards: north is what of it is level
+  /// By which the plumb line points north and east of the normal of a round Earth; heights count across it.
+  Eigen::Vector2d deflection_rad = Eigen::Vector2d::Zero();
+};
 
 /// A measurement on the ground as points and unknowns of its own predict it, with its derivatives.
 struct GeodeticModel {
@@ -40,7 +49,7 @@ struct Sight {
   Eigen::Vector3d up, up_there;  ///< at each
   Eigen::Vector3d line;          ///< from the instrument to the target
   double orientation_rad = 0;    ///< azimuth of zero of the horizontal circle
-  bool level_at_origin = false;
+  Earth earth;
 };
 
 /// Slope distance between instrument and target [m].
@@ -67,13 +76,26 @@ struct ZenithAngle {
   static GeodeticModel model(const Sight& sight);
 };
 
+/// Azimuth of the line of sight, clockwise from north at the instrument [rad]. North turns with the convergence of
+/// meridians where the Earth is round.
+struct Azimuth {
+  static constexpr GeodeticKind kKind = GeodeticKind::kAzimuth;
+  static GeodeticModel model(const Sight& sight);
+};
+
+/// Part of the vector between the antennas along a direction that is known [m].
+struct GnssVector {
+  static constexpr GeodeticKind kKind = GeodeticKind::kGnssVector;
+  static GeodeticModel model(const Sight& sight);
+};
+
 /// A point that lies on a shape, and what describes the shape against its frame.
 struct ShapePoint {
   const GeodeticObservation& observation;
   const GeodeticShape& shape;
   const double* unknowns;
   Eigen::Vector3d point;
-  bool level_at_origin = false;
+  Earth earth;
 
   [[nodiscard]] Eigen::Vector3d local() const { return shape.axes.transpose() * (point - shape.origin); }
 };
@@ -115,7 +137,7 @@ struct OnLine {
 };
 
 /// The closed list: what is measured between two points, and the shapes that points lie on.
-using SightKinds = std::tuple<Distance, HeightDifference, Direction, ZenithAngle>;
+using SightKinds = std::tuple<Distance, HeightDifference, Direction, ZenithAngle, Azimuth, GnssVector>;
 using ShapeKinds = std::tuple<CommonHeight, OnPlane, OnLine>;
 static_assert(std::tuple_size_v<SightKinds> + std::tuple_size_v<ShapeKinds> == kGeodeticKinds);
 
@@ -130,9 +152,11 @@ constexpr void visit_kind(GeodeticKind kind, Visit&& visit) {
 /// Radius of the Earth, a sphere [m].
 inline constexpr double kEarthRadius_m = 6371000;
 
-/// The plumb line at a point, upwards, and the height of the point above the origin of the world.
-[[nodiscard]] Eigen::Vector3d up_at(const Eigen::Vector3d& point, bool level_at_origin);
-[[nodiscard]] double height_of(const Eigen::Vector3d& point, bool level_at_origin);
+/// The normal of the Earth at a point, the plumb line there, both upwards, and the height of the point above the level
+/// of the origin of the world.
+[[nodiscard]] Eigen::Vector3d normal_at(const Eigen::Vector3d& point, const Earth& earth);
+[[nodiscard]] Eigen::Vector3d up_at(const Eigen::Vector3d& point, const Earth& earth);
+[[nodiscard]] double height_of(const Eigen::Vector3d& point, const Earth& earth);
 
 /// Sets both derivatives of a value that depends on the line of sight alone.
 void derive_by_line(GeodeticModel& model, const Eigen::Vector3d& derivative);

@@ -12,6 +12,7 @@
 #include "collinea/adjust/geodetic_model.h"
 #include "collinea/adjust/internal/lens.h"
 #include "collinea/adjust/unknowns.h"
+#include "collinea/block/pixel_shape.h"
 #include "collinea/math/robust.h"
 
 namespace collinea::bundle {
@@ -19,12 +20,31 @@ namespace collinea::bundle {
 /// Below this a problem is done before threads have started.
 inline constexpr std::size_t kRaysWorthThreads = 3000;
 
+/// What makes two correlated coordinates of an image point independent, besides 1 / sigma of the column: the row is
+/// taken `of_row` times, less `of_column` times the column (PixelShape::whitening()).
+struct Whitening {
+  float of_column = 0, of_row = 1;
+
+  [[nodiscard]] bool is_plain() const { return of_column == 0 && of_row == 1; }
+  /// The second row of a 2 x count matrix, by rows.
+  void apply(double* rows, int count) const {
+    for (int c = 0; c < count; ++c) rows[count + c] = of_row * rows[count + c] - of_column * rows[c];
+  }
+};
+
+[[nodiscard]] inline Whitening whitening_of(const PixelShape& shape) {
+  if (shape.is_round()) return {};
+  const Eigen::Matrix2d w = shape.whitening();
+  return {static_cast<float>(-w(1, 0)), static_cast<float>(w(1, 1))};
+}
+
 /// One measured image point, whitened when used.
 struct Ray {
   double pixel[2];
-  double inverse_sigma;
+  double inverse_sigma;  ///< of the column, and mostly of the row
   std::uint32_t image;   ///< index in Problem::images
   std::uint32_t source;  ///< index in Block::observations or Block::control_observations
+  Whitening whitening;
 };
 
 /// An image that takes part. Free images come first, in the order of elimination: image i is then pose i of the
@@ -169,7 +189,7 @@ struct Problem {
   std::vector<GeodeticLink> geodetic;
   std::vector<GeodeticShape> shapes;
   std::size_t geodetic_left_out = 0;  ///< of Block::geodetic, because of points that take no part or determine no shape
-  bool level_at_origin = false;       ///< see geodetic_model()
+  Earth earth;                        ///< of geodetic observations
   std::vector<DatumConstraint> datum;
   std::vector<int> part_of_pose;   ///< images connected by points, as numbers of parts
   std::vector<int> part_of_point;  ///< those that no image shows are of the part they are measured from; -1: of none

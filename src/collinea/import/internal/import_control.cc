@@ -8,6 +8,7 @@
 #include <set>
 
 #include "collinea/adjust/geodetic_model.h"
+#include "collinea/block/gnss_vector.h"
 #include "collinea/block/survey_covariance.h"
 #include "collinea/import/image_names.h"
 #include "collinea/io/geodetic_file.h"
@@ -86,7 +87,7 @@ Result<> add_control(Imported& imported, const ControlFile& control, const Local
     }
     const ControlId point = by_name.at(row.point);
     const bool is_inside = inside(block.camera_of(*image), row.pixel);
-    (is_inside ? block.control_observations : outside).push_back({point, *image, row.pixel, row.sigma_px});
+    (is_inside ? block.control_observations : outside).push_back({point, *image, row.pixel, row.sigma_px, row.shape});
     if (!is_inside)
       each_outside.push_back(finding_of(FindingCode::kControlOutsideImage, {point, *image},
                                         {{FigureName::kPixelX, row.pixel.x()},
@@ -167,6 +168,7 @@ Result<> add_geodetic(Imported& imported, const std::filesystem::path& file) {
   for (const auto& [id, point] : block.control) by_name[point.name] = id;
   std::map<std::string, std::pair<std::uint32_t, ControlId>> setups;
   ShapeNumbers shapes;
+  std::uint32_t vectors = 0;
   for (const GeodeticFileRow& row : rows) {
     const auto bad = [&](const std::string& what) {
       return fail(Errc::kBadInput, fmt::format("{}: line {}: {}", file.string(), row.line, what));
@@ -190,6 +192,21 @@ Result<> add_geodetic(Imported& imported, const std::filesystem::path& file) {
         return bad("set-up " + row.setup + " stands on " + block.control.at(its->second.second).name + " and on " +
                    row.from);
       one.setup = its->second.first;
+    }
+    if (row.kind == GeodeticKind::kGnssVector) {
+      GnssVector vector = row.vector;
+      if (row.is_geocentric) {
+        if (!block.georeference)
+          return bad("a geocentric vector needs a block with a location on Earth: control in a map, or positions");
+        const Eigen::Matrix3d rotation = world_from_geocentric(*block.georeference);
+        vector.vector = rotation * vector.vector;
+        vector.covariance_m2 = rotation * vector.covariance_m2 * rotation.transpose();
+      }
+      one.setup = vectors++;
+      const auto parts = observations_of(vector, one);
+      if (!parts) return bad("the covariance is none: it has to be positive definite");
+      block.geodetic.insert(block.geodetic.end(), parts->begin(), parts->end());
+      continue;
     }
     if (one.is_of_shape()) {
       one.setup = shapes.number_of(row.kind, row.name);

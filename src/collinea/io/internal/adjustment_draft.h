@@ -4,11 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "collinea/block/gnss_vector.h"
 #include "collinea/io/adjustment_file.h"
 #include "collinea/io/internal/adjustment_instruments.h"
 #include "collinea/io/internal/adjustment_line.h"
@@ -24,6 +26,7 @@ struct AdjustmentDraft {
     std::string point;
     Eigen::Vector2d pixel;
     double sigma;
+    PixelShape shape;
   };
 
   /// A geodetic observation between points that may be named later.
@@ -31,6 +34,8 @@ struct AdjustmentDraft {
     std::size_t line;
     std::string from, to;
     GeodeticObservation measured;
+    GnssVector vector;           ///< of kGnssVector
+    bool is_geocentric = false;  ///< it is along the axes of the Earth
   };
 
   struct Tie {
@@ -45,6 +50,7 @@ struct AdjustmentDraft {
   std::set<std::pair<CameraId, std::size_t>> parameters;
   std::vector<Measured> measured;
   std::vector<GeodeticLine> geodetic;
+  std::optional<std::pair<std::size_t, Eigen::Vector2d>> deflection_rad;  // line; north, east
   InstrumentLines instruments;
   std::map<GeodeticKind, std::map<std::string, std::uint32_t>> shapes;
   std::vector<std::pair<std::size_t, ControlId>> in_map;  // lines and points

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/io/internal/control_collector.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -55,6 +56,28 @@ Result<> ControlCollector::add_covariance(int line, const std::vector<std::strin
   return {};
 }
 
+Result<> ControlCollector::add_image_covariance(int line, const std::vector<std::string_view>& f) {
+  if (f.size() != 6)
+    return bad_control_line(line,
+                            "a row of an image's covariance needs: image_covariance, id, file, xx_px2, xy_px2, yy_px2");
+  const auto seen = std::find_if(file_.observations.rbegin(), file_.observations.rend(),
+                                 [&](const auto& one) { return one.point == f[1] && one.file == f[2]; });
+  if (seen == file_.observations.rend())
+    return bad_control_line(
+        line, "there is no image row of " + std::string(f[1]) + " in " + std::string(f[2]) + " above this line");
+  const auto xx = finite_number(f[3]), xy = finite_number(f[4]), yy = finite_number(f[5]);
+  if (!xx || !xy || !yy || !(*xx > 0) || !(*yy > 0) || !(*xy * *xy < *xx * *yy))
+    return bad_control_line(line,
+                            "this is no covariance: xx_px2 and yy_px2 are above 0, and xy_px2 is smaller than the "
+                            "root of their product");
+  seen->sigma_px = std::sqrt(*xx);
+  seen->shape = {.row_over_column = static_cast<float>(std::sqrt(*yy / *xx)),
+                 .correlation = static_cast<float>(*xy / std::sqrt(*xx * *yy))};
+  if (!seen->shape.is_valid())
+    return bad_control_line(line, "column and row are as good as one: this is no covariance");
+  return {};
+}
+
 Result<> ControlCollector::add_row(int line, const Eigen::Vector3d& position, std::string_view name,
                                    ControlFileObservation seen) {
   std::array<double, 3> key;
@@ -88,13 +111,29 @@ void ControlCollector::add_observation(ControlFileObservation seen) {
 }
 
 Result<ControlFile> ControlCollector::finish(std::string crs) {
+  COLLINEA_TRY(add_marked_points());
   if (file_.points.empty()) return fail(Errc::kBadFormat, "no control point found");
-  for (const auto& seen : file_.observations)
-    if (!by_name_.contains(seen.point))
-      return bad_control_line(seen.line, "image row of a point " + seen.point + " that no point row gives");
   fill_missing_axes();
   file_.crs = std::move(crs);
   return std::move(file_);
+}
+
+Result<> ControlCollector::add_marked_points() {
+  std::map<std::string, std::set<std::string>> images;
+  for (const ControlFileObservation& seen : file_.observations)
+    if (!by_name_.contains(seen.point)) images[seen.point].insert(seen.file);
+  for (const ControlFileObservation& seen : file_.observations) {
+    const auto its = images.find(seen.point);
+    if (its == images.end() || by_name_.contains(seen.point)) continue;
+    if (its->second.size() < 2)
+      return bad_control_line(seen.line, "image row of a point " + seen.point +
+                                             " that no point row gives, and no other image: without coordinates a "
+                                             "point is marked in two images at least");
+    ControlFilePoint point{seen.point, Eigen::Vector3d::Constant(kInfinity), Eigen::Vector3d::Constant(kInfinity),
+                           ControlRole::kControl};
+    COLLINEA_TRY(add_point(seen.line, std::move(point)));
+  }
+  return {};
 }
 
 Result<> ControlCollector::add_new(int line, const std::array<double, 3>& key, const std::string& name) {

@@ -3,13 +3,14 @@
 //     # collinea control, EPSG:32633
 //     point, id, easting, northing, height, sigma_e_m, sigma_n_m, sigma_h_m, role
 //     image, id, file, x_px, y_px, sigma_px
+//     image_covariance, id, file, xx_px2, xy_px2, yy_px2
 //     covariance, id, ee_m2, en_m2, eh_m2, nn_m2, nh_m2, hh_m2
 // Role is control (default) or check. Sigmas may all be left out: `defaults`. `inf`, or an empty field beside given
-// sigmas, or an empty coordinate, means that the axis was not surveyed; a point may have none of the three. sigma_px
-// may be left out. A covariance stands below its point and in place of its sigmas; fields of an axis that was not
-// surveyed are empty. Semicolons or tabs may separate in place of commas, in the whole file: those behind the word that
-// the first row starts with. A point has 5, 8 or 9 fields: with a number of others one is missing, which would move
-// those behind it.
+// sigmas, or an empty coordinate, means that the axis was not surveyed; a point may have none of the three, and needs
+// no row then if two images show it. sigma_px may be left out. A covariance stands below its point and in place of its
+// sigmas; fields of an axis that was not surveyed are empty. Semicolons or tabs may separate in place of commas, in the
+// whole file: those behind the word that the first row starts with. A point has 5, 8 or 9 fields: with a number of
+// others one is missing, which would move those behind it.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -31,7 +32,9 @@ using Fields = std::vector<std::string_view>;
 constexpr std::string_view kMark = "# collinea control", kSeparators = ",;\t";
 constexpr const char* kPointForm = "point, id, easting, northing, height, sigma_e_m, sigma_n_m, sigma_h_m, role";
 
-bool is_kind(std::string_view word) { return word == "point" || word == "image" || word == "covariance"; }
+bool is_kind(std::string_view word) {
+  return word == "point" || word == "image" || word == "covariance" || word == "image_covariance";
+}
 
 // What stands behind the word that a row of ours starts with; nothing when the line is no such row.
 std::optional<char> separator_of_row(std::string_view line) {
@@ -157,6 +160,9 @@ Result<ControlFile> parse_csv(std::string_view file, const ControlDefaults& defa
     if (kind == "covariance") {
       drop_empty_behind(8, fields);
       COLLINEA_TRY(collector.add_covariance(line, fields));
+    } else if (kind == "image_covariance") {
+      drop_empty_behind(6, fields);
+      COLLINEA_TRY(collector.add_image_covariance(line, fields));
     } else if (kind == "point") {
       COLLINEA_TRY(ControlFilePoint point, csv_point(line, fields, defaults));
       COLLINEA_TRY(collector.add_point(line, std::move(point)));

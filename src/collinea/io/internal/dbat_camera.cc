@@ -124,9 +124,15 @@ class CameraReader {
   }
 
   Result<> take_model() {
-    COLLINEA_TRY(const double skew, number_of("skew", 0));
-    if (skew != 0) return bad(*camera_.child("skew"), "a skew that is not 0: this reader does not know it");
+    COLLINEA_TRY(mm_.skew, number_of("skew", 0));
     COLLINEA_TRY(const double model, number_of("model", 0));
+    if (mm_.skew != 0 && model != 3)
+      return bad(*camera_.child("skew"), "a skew that is not 0: of these lens models 3 alone has one");
+    if (model == 4 || model == 5)
+      return bad(*camera_.child("model"),
+                 "lens model " + exact(model) +
+                     ": its affinity lies behind the correction of the lens, and no camera here has it there; that of "
+                     "model 3 lies in front");
     if (model != 1 && model != 3 && model != -1)
       return bad(*camera_.child("model"),
                  "lens model " + exact(model) + ": this reader knows 1 and 3 (corrections) and -1 (distortion)");

@@ -135,7 +135,7 @@ class InitialCamera {
     }
     if (e.name == "K") return terms(e, project_.radial_terms, mm.k.data());
     if (e.name == "P") return terms(e, project_.tangential_terms, mm.p.data());
-    if (double skew = 0; e.name == "skew" && number(e, skew) && skew == 0) return {};
+    if (e.name == "skew") return number(e, mm.skew);
     return unknown(e);
   }
 
@@ -172,7 +172,9 @@ class InitialCamera {
       mm.k = from.k;
     else if (e.name == "P")
       mm.p = from.p;
-    else if (e.name != "skew")
+    else if (e.name == "skew")
+      mm.skew = from.skew;
+    else
       return unknown(e);
     return {};
   }

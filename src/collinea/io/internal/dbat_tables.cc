@@ -235,15 +235,15 @@ class Tables {
     if (!image || !point || !x || !y) return "a mark needs im, id, x and y";
     const auto sigma = sigma_of_mark(row, file);
     if (!sigma) return "a mark needs a standard deviation above 0 (sxy), in its row or for all";
-    if (sigma->x() != sigma->y()) return "standard deviations that differ in x and y: this reader knows one of both";
     if (!block_.images.contains({*image})) return "there is no image " + std::to_string(*image);
     if (!marked_.emplace(*image, *point).second)
       return "point " + std::to_string(*point) + " is marked twice in image " + std::to_string(*image);
     const auto control = block_.control.find({*point});
+    const PixelShape shape{.row_over_column = static_cast<float>(sigma->y() / sigma->x())};
     if (control != block_.control.end())
-      block_.control_observations.push_back({{*point}, {*image}, {*x, *y}, sigma->x()});
+      block_.control_observations.push_back({{*point}, {*image}, {*x, *y}, sigma->x(), shape});
     if (control == block_.control.end() || control->second.role == ControlRole::kCheck)
-      block_.observations.push_back({{*image}, {*point}, 0, {*x, *y}, sigma->x()});
+      block_.observations.push_back({{*image}, {*point}, 0, {*x, *y}, sigma->x(), shape});
     return {};
   }
 

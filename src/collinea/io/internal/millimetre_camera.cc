@@ -12,6 +12,7 @@ Camera camera_of(const MillimetreCamera& mm) {
   auto& p = camera.params;
   p[Camera::kF] = c / mm.pixel_height_mm;
   p[Camera::kB1] = p[Camera::kF] * (1 / (1 + mm.off_aspect) - 1);
+  p[Camera::kB2] = p[Camera::kF] * mm.skew / (1 + mm.off_aspect);
   p[Camera::kCx] = mm.principal_mm[0] / mm.pixel_height_mm;
   p[Camera::kCy] = mm.principal_mm[1] / mm.pixel_height_mm;
   p[Camera::kK1] = sign * mm.k[0] * c2;
@@ -32,6 +33,7 @@ MillimetreCamera millimetre_camera(const Camera& camera, double pixel_height_mm)
   mm.pixel_height_mm = pixel_height_mm;
   mm.focal_mm = p[Camera::kF] * pixel_height_mm;
   mm.off_aspect = -p[Camera::kB1] / (p[Camera::kF] + p[Camera::kB1]);
+  mm.skew = p[Camera::kB2] / (p[Camera::kF] + p[Camera::kB1]);
   mm.principal_mm = {p[Camera::kCx] * pixel_height_mm, p[Camera::kCy] * pixel_height_mm};
   const double c = mm.focal_mm, c2 = c * c, sign = mm.forward ? -1 : 1;
   mm.k = {sign * p[Camera::kK1] / c2, sign * p[Camera::kK2] / (c2 * c2), sign * p[Camera::kK3] / (c2 * c2 * c2)};

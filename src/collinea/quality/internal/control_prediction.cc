@@ -24,7 +24,7 @@ void add_measurement(const Block& block, const Problem& problem, const State& st
   const Frame frame = image >= 0 ? state.frames[image] : frame_of(pose.rotation.normalized(), centre.data());
   const Camera& camera = block.camera_of(seen.image);
   const Lens lens = image >= 0 ? state.lenses[problem.images[image].camera] : lens_of(camera, false);
-  const Ray ray{{seen.pixel.x(), seen.pixel.y()}, 1 / seen.sigma_px, 0, 0};
+  const Ray ray{{seen.pixel.x(), seen.pixel.y()}, 1 / seen.sigma_px, 0, 0, whitening_of(seen.shape)};
   LinearRay linear;
   linearise(ray, frame, lens, position.data(), Loss{}, &linear);
   system.add(linear, image, state);

@@ -20,14 +20,19 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 ObservationSource source_of(const Misfit& one) { return traits_of(one.index.group).source; }
 
+Eigen::Vector3d of_pixel(const auto& seen) {
+  const Eigen::Vector2d sigmas = seen.sigmas_px();
+  return {sigmas.x(), sigmas.y(), sigmas.x()};
+}
+
 // The given sigma on the axes of the group.
 Eigen::Vector3d sigma_of(MeasurementIndex index, const Measurements& given) {
   const Block& block = given.block;
   switch (traits_of(index.group).source) {
     case ObservationSource::kTieImagePoint:
-      return Eigen::Vector3d::Constant(block.observations[index.source].sigma_px);
+      return of_pixel(block.observations[index.source]);
     case ObservationSource::kControlImagePoint:
-      return Eigen::Vector3d::Constant(block.control_observations[index.source].sigma_px);
+      return of_pixel(block.control_observations[index.source]);
     case ObservationSource::kControlCoordinates:
       return block.control.at(ControlId{index.source}).sigma_m;
     case ObservationSource::kPosition:

@@ -17,7 +17,7 @@ std::vector<SightLine> lines_of(const Rejected& rejected, const Block& block) {
   std::vector<SightLine> lines;
   for (const Observation& seen : std::ranges::equal_range(block.observations, rejected.point, {}, &Observation::point))
     if (const auto pose = find_pose(block, seen.image))
-      lines.push_back({&block.camera_of(seen.image), *pose, seen.pixel, seen.sigma_px});
+      lines.push_back({&block.camera_of(seen.image), *pose, seen.pixel, seen.sigma_px, seen.shape});
   return lines;
 }
 

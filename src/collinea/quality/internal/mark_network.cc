@@ -53,7 +53,7 @@ class Network {
     for (const auto& [id, its] : marks) {
       const PointId as_tie = mark_of_[id] = PointId{next++};
       for (const auto& [image, seen] : its)
-        block_.observations.push_back({image, as_tie, 0, seen->pixel, seen->sigma_px});
+        block_.observations.push_back({image, as_tie, 0, seen->pixel, seen->sigma_px, seen->shape});
     }
     block_.control.clear();
     block_.control_observations.clear();
@@ -82,7 +82,8 @@ class Network {
       std::vector<SightLine> lines;
       for (end = i; end < seen.size() && seen[end].point == seen[i].point; ++end)
         if (const auto pose = find_pose(block_, seen[end].image))
-          lines.push_back({&block_.camera_of(seen[end].image), *pose, seen[end].pixel, seen[end].sigma_px});
+          lines.push_back(
+              {&block_.camera_of(seen[end].image), *pose, seen[end].pixel, seen[end].sigma_px, seen[end].shape});
       const PointId point = seen[i].point;
       if (lines.size() < 2 || (point < first_mark_ && !block_.points.contains(point))) continue;
       if (const auto met = meet_robustly(lines)) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "collinea/base/result.h"
+#include "collinea/block/gnss_vector.h"
 
 namespace collinea {
 namespace {
@@ -181,10 +182,14 @@ struct GeodeticMeasurement : AnySource {
   }
   static GivenMeasurement given(MeasurementIndex, const Measurements&) { return {}; }
   static void reject(Measurements& all, std::span<const MeasurementIndex> rejected) {
-    for (const MeasurementIndex& one : rejected) all.block.geodetic[one.source].role = ControlRole::kCheck;
+    for (const MeasurementIndex& one : rejected) set_role(all.block, one.source, ControlRole::kCheck);
+  }
+  // The parts of a vector are one measurement.
+  static void set_role(Block& block, std::uint32_t observation, ControlRole role) {
+    for (const std::uint32_t part : with_their_vectors(block, observation)) block.geodetic[part].role = role;
   }
   static void restore(Measurements& all, const Measurement& measurement, const GivenMeasurement&) {
-    all.block.geodetic[measurement.geodetic].role = ControlRole::kControl;
+    set_role(all.block, measurement.geodetic, ControlRole::kControl);
   }
   static std::optional<Eigen::Vector3d> misclosure(const Measurement& measurement, const GivenMeasurement&,
                                                    const Measurements&, const Adjusted& adjusted) {

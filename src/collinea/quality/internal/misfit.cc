@@ -49,15 +49,16 @@ class Comparison {
     for (const ObservationGroup group : groups_of(source)) add({group, id}, off, sigma);
   }
 
-  void add_ray(ObservationGroup group, std::size_t i, const Eigen::Vector2d& residual_px, double sigma_px) {
+  void add_ray(ObservationGroup group, std::size_t i, const Eigen::Vector2d& residual_px,
+               const Eigen::Vector2d& sigmas_px) {
     add({group, static_cast<std::uint32_t>(i)}, {residual_px.x(), residual_px.y(), 0},
-        Eigen::Vector3d::Constant(sigma_px));
+        {sigmas_px.x(), sigmas_px.y(), sigmas_px.x()});
   }
 
   void compare_tie_points() {
     for (std::size_t k = 0; k < adjusted_.observations.size(); ++k) {
       const std::size_t i = adjusted_.observations[k];
-      add_ray(ObservationGroup::kTieImages, i, adjusted_.residuals_px[k], given_.block.observations[i].sigma_px);
+      add_ray(ObservationGroup::kTieImages, i, adjusted_.residuals_px[k], given_.block.observations[i].sigmas_px());
     }
   }
 
@@ -74,7 +75,7 @@ class Comparison {
       const ControlObservation& seen = given_.block.control_observations[i];
       if (used.contains(seen.point) && is_oriented(given_.block, seen.image) &&
           !bundle::is_left_out(adjusted_, seen.image))
-        add_ray(ObservationGroup::kControlImages, i, adjusted_.control_residuals_px[i], seen.sigma_px);
+        add_ray(ObservationGroup::kControlImages, i, adjusted_.control_residuals_px[i], seen.sigmas_px());
     }
   }
 

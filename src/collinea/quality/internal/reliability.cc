@@ -51,7 +51,8 @@ TieErrors shown_tie_errors(const Problem& problem, const State& state, const std
     if (!ImagePoint::is_tie(problem, item) || (rays == 2 && item.ray != problem.point(item.point).first_ray)) return;
     const auto px = ImagePoint::residual(problem, state, item);
     if (!px) return;
-    const Eigen::Vector2d residual = *px * (problem.rays[item.ray].inverse_sigma / sigma0);
+    const Ray& ray = problem.rays[item.ray];
+    const Eigen::Vector2d residual = ImagePoint::whitened(ray, *px, sigma0);
     const double weight = ImagePoint::loss(problem, item).weight(ImagePoint::squared(problem, item, *px));
     errors.push_back({checked_error(residual, Eigen::Matrix2d::Identity() - leverages[item.ray], weight), rays});
   });
@@ -68,6 +69,45 @@ TestLimits limits_of(const ErrorDistribution& w, const Reliability& tests) {
   if (w.is_normal() && w.scale == 1) return {tests.limit, tests.delta0};
   const double limit = w.limit(tests.false_alarm);
   return {limit, limit + (tests.power > 0.5 ? w.limit(2 * (1 - tests.power)) : 0)};
+}
+
+const PixelShape& shape_of(const TestedObservation& one, const Block& block) {
+  return one.group == ObservationGroup::kTieImages ? block.observations[one.source].shape
+                                                   : block.control_observations[one.source].shape;
+}
+
+// The two coordinates of an image point that are correlated, as they are tested: as those of correlated control, see
+// Examiner::take_control(). With W of the whitening, P = W' W / s^2 and the hat matrix H of the whitened residuals W v
+// / s the weight is p_ii, the residual (P v)_i / p_ii and the leverage (W' H W)_ii / (s^2 p_ii).
+struct ShapedPoint {
+  Eigen::Vector2d sigma, residual, leverage;
+  Eigen::Vector2d redundancy;  // of each coordinate alone: the part of its variance that its residual has
+  double squares = 0;
+
+  ShapedPoint(const PixelShape& shape, const Eigen::Vector2d& px, double s, const Eigen::Matrix2d& hat) {
+    const Eigen::Matrix2d w = shape.whitening(), root = w.inverse();
+    const Eigen::Vector2d independent = w * px / s, weighted = w.transpose() * independent;
+    squares = independent.squaredNorm();
+    const Eigen::Matrix2d left = root * (Eigen::Matrix2d::Identity() - hat) * root.transpose();
+    redundancy = left.diagonal().cwiseQuotient(shape.covariance().diagonal());
+    for (int axis = 0; axis < 2; ++axis) {
+      const double p = w.col(axis).squaredNorm();
+      sigma[axis] = s / std::sqrt(p);
+      residual[axis] = weighted[axis] * s / p;
+      leverage[axis] = w.col(axis).dot(hat * w.col(axis)) / p;
+    }
+  }
+};
+
+// The hat matrix of each ray.
+std::vector<Eigen::Matrix2d> leverages_of(const Problem& problem, const State& state, TileCholesky& inverse,
+                                          const Run& run) {
+  std::vector<Eigen::Matrix2d> leverages(problem.rays.size());
+  parallel_for(run, problem.point_count(), [&](std::size_t p) {
+    const std::vector<Eigen::Matrix2d> all = PointSystem(problem, state, p).leverages(inverse);
+    for (std::size_t k = 0; k < all.size(); ++k) leverages[problem.point(p).first_ray + k] = all[k];
+  });
+  return leverages;
 }
 
 class Examiner {
@@ -95,7 +135,7 @@ class Examiner {
   }
 
   Reliability examine(const Block& block) {
-    compute_leverages();
+    leverages_ = leverages_of(problem_, state_, inverse_, run_);
     by_source_.assign(block.observations.size(), Eigen::Vector2d::Constant(kNaN));
     if (run_.stopped()) return out_;
     if (fits_ties_) {
@@ -114,14 +154,6 @@ class Examiner {
 
  private:
   GroupSums& sums(ObservationGroup group) { return out_.groups[static_cast<std::size_t>(group)]; }
-
-  void compute_leverages() {
-    leverages_.resize(problem_.rays.size());
-    parallel_for(run_, problem_.point_count(), [&](std::size_t p) {
-      const std::vector<Eigen::Matrix2d> all = PointSystem(problem_, state_, p).leverages(inverse_);
-      for (std::size_t k = 0; k < all.size(); ++k) leverages_[problem_.point(p).first_ray + k] = all[k];
-    });
-  }
 
   // `leverage` in units of the observation's weight, which is `weight` times 1 / sigma^2 (not 1 by a robust loss).
   // The observation is tested as the others predict it, by its full sigma: v / r has the variance
@@ -195,12 +227,34 @@ class Examiner {
     const auto its_class = tie ? out_.tie_errors.class_of(ray_count(problem_, item.point)) : std::nullopt;
     const TestLimits limits = its_class ? tie_limits_[*its_class] : TestLimits{out_.limit, out_.delta0};
     if (tie) tie_.add(s, 2);
+    if (const PixelShape& shape = shape_of(one, block); !shape.is_round()) {
+      take_shaped_point(item, shape, *px, weight, limits, std::move(one));
+      return;
+    }
     if (tie) by_source_[one.source] = Eigen::Vector2d::Ones() - leverage;
     for (int axis = 0; axis < 2; ++axis) {
       one.axis = axis;
       one.residual = (*px)[axis];
       if (!tie) sums(one.group).squares += std::pow(one.residual / one.sigma, 2);
       test(one, leverage[axis], weight, limits);
+    }
+  }
+
+  void take_shaped_point(const ImagePoint::Item& item, const PixelShape& shape, const Eigen::Vector2d& px,
+                         double robust_weight, const TestLimits& limits, TestedObservation one) {
+    const ShapedPoint point(shape, px, one.sigma, leverages_[item.ray]);
+    if (ImagePoint::is_tie(problem_, item))
+      by_source_[one.source] = point.redundancy;
+    else
+      sums(one.group).squares += point.squares;
+    for (int axis = 0; axis < 2; ++axis) {
+      const double beyond = point.leverage[axis] - leverages_[item.ray](axis, axis);
+      one.axis = axis;
+      one.sigma = point.sigma[axis];
+      one.residual = point.residual[axis];
+      test(one, point.leverage[axis], robust_weight, limits);
+      sums(one.group).redundancy += beyond;
+      out_.redundancy_sum += beyond;
     }
   }
 

@@ -70,10 +70,13 @@ struct ScoreNormals::RayColumns {
   int other_count = 0;
 
   void add(int column, double a, double b) { others[other_count++] = {column, {a, b}}; }
-  // row += by' H for one row of the transposed design with the weighted derivatives a (column) and b (row).
+  // row += by' H for one row of the transposed design with the weighted derivatives a (column) and b (row). Of
+  // correlated coordinates the whitened function of the column is seen by both.
   void add_to(double* row, double a, double b) const {
-    add_times(row + first, phi, a, functions);
-    add_times(row + first + functions, phi, b, functions);
+    const Whitening& whitening = linear.whitening;
+    const bool is_plain = whitening.is_plain();
+    add_times(row + first, phi, is_plain ? a : a - whitening.of_column * b, functions);
+    add_times(row + first + functions, phi, is_plain ? b : whitening.of_row * b, functions);
     for (int k = 0; k < other_count; ++k) row[others[k].column] += a * others[k].value[0] + b * others[k].value[1];
   }
 };
@@ -164,6 +167,20 @@ bool ScoreNormals::take_ray(const Ray& ray, const double* position, const Loss& 
   return true;
 }
 
+// What the squares of the functions have beyond those of a round measurement: (1 + a^2, -a b; -a b, b^2) less the
+// identity, times those of the functions.
+void ScoreNormals::add_shape(Chunk& chunk, const RayColumns& ray) {
+  const double a = ray.linear.whitening.of_column, b = ray.linear.whitening.of_row;
+  const int n = ray.functions;
+  for (int k = 0; k < n; ++k) {
+    double* of_column = chunk.gram.row(ray.first + k).data();
+    double* of_row = chunk.gram.row(ray.first + n + k).data();
+    add_times(of_column + ray.first, ray.phi, a * a * ray.phi[k], n);
+    add_times(of_row + ray.first, ray.phi, -a * b * ray.phi[k], n);
+    add_times(of_row + ray.first + n, ray.phi, (b * b - 1) * ray.phi[k], n);
+  }
+}
+
 void ScoreNormals::add_ray(Chunk& chunk, const RayColumns& ray, int image) const {
   const LinearRay& linear = ray.linear;
   const int n = ray.functions;
@@ -171,6 +188,7 @@ void ScoreNormals::add_ray(Chunk& chunk, const RayColumns& ray, int image) const
   if (ray.slot >= 0) {
     Eigen::MatrixXd& squares = chunk.functions[static_cast<std::size_t>(ray.slot)];
     for (int k = 0; k < n; ++k) add_times(squares.data() + k * n, ray.phi, ray.phi[k], n);
+    if (!linear.whitening.is_plain()) add_shape(chunk, ray);
   }
   for (int k = 0; k < ray.other_count; ++k)
     ray.add_to(chunk.gram.row(ray.others[k].column).data(), ray.others[k].value[0], ray.others[k].value[1]);
@@ -375,13 +393,18 @@ Eigen::MatrixXd ScoreNormals::point_columns(std::size_t p, std::vector<RayDeriva
     RowMajorMatrix its = RowMajorMatrix::Zero(2, columns_.count());
     for (int axis = 0; axis < 2; ++axis)
       ray.add_to(its.row(axis).data() + first_, axis == 0 ? 1 : 0, axis == 0 ? 0 : 1);
-    const double weight = ray.linear.root_weight;
+    // In pixels again.
+    const Whitening& whitening = ray.linear.whitening;
+    const auto in_pixels = [&](auto rows) {
+      if (!whitening.is_plain()) rows.row(1) = (rows.row(1) + whitening.of_column * rows.row(0)) / whitening.of_row;
+      return (rows / ray.linear.root_weight).eval();
+    };
     using TwoRows = Eigen::Matrix<double, 2, 3, Eigen::RowMajor>;
     const auto image = static_cast<int>(problem_.rays[r].image);
-    rays->push_back({image, problem_.images[static_cast<std::size_t>(image)].camera, its / weight,
-                     Eigen::Map<const RowMajorMatrix>(ray.by_camera, 2, ray.camera_unknowns) / weight,
-                     Eigen::Map<const TwoRows>(ray.linear.by_rotation) / weight,
-                     Eigen::Map<const TwoRows>(ray.linear.by_point) / weight});
+    const RowMajorMatrix by_camera = Eigen::Map<const RowMajorMatrix>(ray.by_camera, 2, ray.camera_unknowns);
+    rays->push_back({image, problem_.images[static_cast<std::size_t>(image)].camera, in_pixels(std::move(its)),
+                     in_pixels(by_camera), in_pixels(TwoRows(Eigen::Map<const TwoRows>(ray.linear.by_rotation))),
+                     in_pixels(TwoRows(Eigen::Map<const TwoRows>(ray.linear.by_point)))});
   }
   PointNormals normals;
   chunk.gram.setZero(width_, width_);

@@ -58,6 +58,7 @@ class ScoreNormals {
   void add_point(Chunk& chunk, std::size_t point) const;
   bool take_ray(const Ray& ray, const double* position, const Loss& loss, RayColumns& out) const;
   void add_ray(Chunk& chunk, const RayColumns& ray, int image) const;
+  static void add_shape(Chunk& chunk, const RayColumns& ray);
   void eliminate(Chunk& chunk, PointNormals normals) const;
   void add_control(Chunk& chunk, std::size_t point, PointNormals& normals) const;
   void add_given();

@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <sstream>
+#include <vector>
 
 #include "collinea/base/packed.h"
 #include "collinea/store/internal/project_store_state.h"
@@ -20,7 +21,8 @@ namespace {
 using sqlite::Database;
 using sqlite::Statement;
 
-// How one record lies in a blob. kBytes is its exact size.
+// How one record lies in a blob. kBytes is its exact size. A record of no point says the shape of the one before it, in
+// place of the pixel: almost all are round, and have none.
 struct ControlObservationRecord {
   static constexpr std::size_t kBytes = 2 * 4 + 3 * 8;
   using Value = ControlObservation;
@@ -204,7 +206,12 @@ Result<> write_geodetic(Database& db, const std::vector<GeodeticObservation>& ge
                                       static_cast<std::uint32_t>(one.role), one.setup})
       numbers.put(value);
     for (const double value : {one.value, one.sigma, one.instrument_height_m, one.target_height_m}) numbers.put(value);
-    if (one.is_of_shape()) numbers.put(static_cast<std::uint32_t>(one.axis));
+    const bool is_vector = one.kind == GeodeticKind::kGnssVector;
+    if (one.is_of_shape() || is_vector) numbers.put(static_cast<std::uint32_t>(one.axis));
+    if (is_vector) {
+      put(numbers, one.along);
+      numbers.put(static_cast<std::uint32_t>(one.is_local));
+    }
     insert.bind(static_cast<std::int64_t>(i)).bind_text(one.name);
     COLLINEA_TRY(insert.bind_blob(numbers.bytes()).run());
   }
@@ -226,8 +233,15 @@ Result<> read_geodetic(Database& db, std::vector<GeodeticObservation>& geodetic)
     for (double* value : {&one.value, &one.sigma, &one.instrument_height_m, &one.target_height_m}) numbers.get(*value);
     one.kind = static_cast<GeodeticKind>(kind);
     std::uint32_t axis = 0;
-    if (one.is_of_shape()) numbers.get(axis);
-    if (!numbers.done() || kind >= kGeodeticKinds || role > 1 || axis > 1)
+    const bool is_vector = one.kind == GeodeticKind::kGnssVector;
+    if (one.is_of_shape() || is_vector) numbers.get(axis);
+    std::uint32_t is_local = 0;
+    if (is_vector) {
+      get(numbers, one.along);
+      numbers.get(is_local);
+    }
+    one.is_local = is_local != 0;
+    if (!numbers.done() || kind >= kGeodeticKinds || role > 1 || axis > (is_vector ? 2 : 1))
       return damaged("a measurement on the ground");
     one.axis = static_cast<int>(axis);
     one.role = static_cast<ControlRole>(role);
@@ -285,12 +299,27 @@ Result<bool> has_geodetic(Database& db) {
 
 Result<> write_control_observations(Database& db, const std::string& table,
                                     const std::vector<ControlObservation>& observations) {
-  return write_chunks<ControlObservationRecord>(db, table, observations);
+  std::vector<ControlObservation> records;
+  records.reserve(observations.size());
+  for (const ControlObservation& one : observations) {
+    records.push_back(one);
+    if (!one.shape.is_round())
+      records.push_back({ControlId{}, one.image, {one.shape.row_over_column, one.shape.correlation}});
+  }
+  return write_chunks<ControlObservationRecord>(db, table, records);
 }
 
 Result<> read_control_observations(Database& db, const std::string& table, Block& block) {
-  return read_chunks<ControlObservationRecord>(
-      db, table, [&](const ControlObservation& o) { block.control_observations.push_back(o); });
+  bool is_sound = true;
+  COLLINEA_TRY(read_chunks<ControlObservationRecord>(db, table, [&](const ControlObservation& o) {
+    auto& all = block.control_observations;
+    if (o.point.valid()) return all.push_back(o);
+    const PixelShape shape{static_cast<float>(o.pixel.x()), static_cast<float>(o.pixel.y())};
+    is_sound = is_sound && !all.empty() && shape.is_valid();
+    if (!all.empty()) all.back().shape = shape;
+  }));
+  if (!is_sound) return damaged(table);
+  return {};
 }
 
 Result<> write_setup_tables(Database& db, const Block& block) {
