@@ -19,6 +19,7 @@
 #include "collinea/orient/instrument_options.h"
 #include "collinea/orient/mirrored.h"
 #include "collinea/project/adjustment_task.h"
+#include "collinea/quality/systematic_findings.h"
 #include "collinea/report/finding_words.h"
 
 namespace collinea {
@@ -30,6 +31,9 @@ Result<AdjustmentReport> adjust_task(AdjustmentTask task, std::string title, con
   COLLINEA_TRY(static_cast<Adjustment&>(report), adjust_block(std::move(task), asked, run));
   report.title = std::move(title);
   for (const std::string& note : notes_of(report)) run.say("note: " + note);
+  for (const Finding& finding : report.taken_up) run.say("note: " + sentence_of(finding, report.block));
+  for (const Finding& finding : systematic_findings(report.adjusted.systematics, report.block))
+    run.say("note: " + sentence_of(finding, report.block));
   COLLINEA_TRY(write_adjustment(report, folder, run));
   return report;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <span>
 #include <tuple>
 
 #include "collinea/math/median.h"
@@ -14,6 +15,7 @@ namespace {
 
 constexpr double kBend_cos = 0.7071;  // 45 degrees: less is a strip flown in wind, more a cross strip
 constexpr double kPause = 5;          // median intervals
+constexpr double kWholeSecond_s = 1e-3;
 constexpr std::size_t kShortest = 3;  // a shift and a drift of two images fit whatever they say
 
 struct Exposure {
@@ -58,6 +60,58 @@ std::vector<Exposure> exposures_of(const Block& block, bool* is_timed = nullptr)
 bool turns(const Eigen::Vector3d& before, const Eigen::Vector3d& after, double shortest_m) {
   const double a = before.head<2>().norm(), b = after.head<2>().norm();
   return a > shortest_m && b > shortest_m && before.head<2>().dot(after.head<2>()) < kBend_cos * a * b;
+}
+
+// The mean of the centres of all images of one time.
+struct Instant {
+  double time_s;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+};
+
+std::vector<Instant> instants_of(const FlightStrip& strip, const std::map<ImageId, const Exposure*>& exposure) {
+  std::map<double, std::pair<Eigen::Vector3d, int>> sums;
+  for (const auto& [id, time_s] : strip) {
+    auto& [sum, count] = sums.try_emplace(time_s, Eigen::Vector3d::Zero(), 0).first->second;
+    sum += exposure.at(id)->centre;
+    ++count;
+  }
+  std::vector<Instant> instants;
+  for (const auto& [time_s, sum] : sums) instants.push_back({time_s, sum.first / sum.second});
+  return instants;
+}
+
+// Up to `count` instants around a time, where possible as many before as after.
+std::span<const Instant> around(const std::vector<Instant>& way, double time_s, std::size_t count) {
+  const auto at = static_cast<std::size_t>(std::ranges::find(way, time_s, &Instant::time_s) - way.begin());
+  count = std::min(count, way.size());
+  const std::size_t before = std::min(at, count / 2);
+  return std::span(way).subspan(std::min(at - before, way.size() - count), count);
+}
+
+// By the parabola through three instants: strips begin and end with an acceleration.
+std::optional<Eigen::Vector3d> by_parabola(const std::vector<Instant>& way, double time_s) {
+  const std::span<const Instant> three = around(way, time_s, 3);
+  if (three.size() < 2) return std::nullopt;
+  const auto slope = [&](std::size_t i) -> Eigen::Vector3d {
+    return (three[i + 1].centre - three[i].centre) / (three[i + 1].time_s - three[i].time_s);
+  };
+  if (three.size() < 3) return slope(0);
+  const Eigen::Vector3d bend = (slope(1) - slope(0)) / (three[2].time_s - three[0].time_s);
+  return slope(0) + bend * (2 * time_s - three[0].time_s - three[1].time_s);
+}
+
+// By the line through five, which bears times that are off by half a second.
+std::optional<Eigen::Vector3d> by_line(const std::vector<Instant>& way, double time_s) {
+  double middle_s = 0, spread_s2 = 0;
+  const std::span<const Instant> five = around(way, time_s, 5);
+  for (const Instant& one : five) middle_s += one.time_s / static_cast<double>(five.size());
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Instant& one : five) {
+    sum += (one.time_s - middle_s) * one.centre;
+    spread_s2 += (one.time_s - middle_s) * (one.time_s - middle_s);
+  }
+  if (!(spread_s2 > 0)) return std::nullopt;
+  return sum / spread_s2;
 }
 
 std::vector<FlightStrip> centred(const std::vector<std::vector<Exposure>>& parts) {
@@ -109,31 +163,18 @@ std::vector<FlightStrip> one_strip(const Block& block) {
 }
 
 std::map<ImageId, Eigen::Vector3d> flight_velocities(const Block& block) {
-  constexpr std::ptrdiff_t kBeside = 2;
   bool timed = false;
   const std::vector<Exposure> all = exposures_of(block, &timed);
   std::map<ImageId, Eigen::Vector3d> velocities;
   if (!timed) return velocities;
+  const bool fine = std::ranges::any_of(
+      all, [](const Exposure& one) { return std::abs(one.time_s - std::round(one.time_s)) > kWholeSecond_s; });
   std::map<ImageId, const Exposure*> exposure;
   for (const Exposure& one : all) exposure[one.id] = &one;
   for (const FlightStrip& strip : flight_strips(block)) {
-    std::vector<std::pair<double, ImageId>> order;
-    for (const auto& [id, time_s] : strip) order.emplace_back(time_s, id);
-    std::sort(order.begin(), order.end());
-    const auto count = static_cast<std::ptrdiff_t>(order.size());
-    for (std::ptrdiff_t i = 0; i < count; ++i) {
-      const std::ptrdiff_t first = std::max<std::ptrdiff_t>(i - kBeside, 0), end = std::min(i + kBeside + 1, count);
-      double middle_s = 0, spread_s2 = 0;
-      for (std::ptrdiff_t k = first; k < end; ++k)
-        middle_s += order[static_cast<std::size_t>(k)].first / static_cast<double>(end - first);
-      Eigen::Vector3d way = Eigen::Vector3d::Zero();
-      for (std::ptrdiff_t k = first; k < end; ++k) {
-        const auto& [time_s, id] = order[static_cast<std::size_t>(k)];
-        way += (time_s - middle_s) * exposure.at(id)->centre;
-        spread_s2 += (time_s - middle_s) * (time_s - middle_s);
-      }
-      if (spread_s2 > 0) velocities[order[static_cast<std::size_t>(i)].second] = way / spread_s2;
-    }
+    const std::vector<Instant> way = instants_of(strip, exposure);
+    for (const auto& [id, time_s] : strip)
+      if (const auto velocity = fine ? by_parabola(way, time_s) : by_line(way, time_s)) velocities[id] = *velocity;
   }
   return velocities;
 }

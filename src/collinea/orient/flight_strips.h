@@ -20,9 +20,9 @@ using FlightStrip = std::map<ImageId, double>;
 /// All of them as one.
 [[nodiscard]] std::vector<FlightStrip> one_strip(const Block& block);
 
-/// How fast each image moved through the world [m/s]: by the line through the centres of up to five images of its
-/// strip, two before and two after, so that times in whole seconds will do. Empty when an image has no time, or all
-/// have the same.
+/// How fast each image moved through the world [m/s]: by the parabola through the centres of three images of its strip,
+/// the one before and the one after, since strips begin and end with an acceleration. Where all times are whole
+/// seconds, by the line through up to five. Empty when an image has no time, or all have the same.
 [[nodiscard]] std::map<ImageId, Eigen::Vector3d> flight_velocities(const Block& block);
 
 }  // namespace collinea

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/orient/flight_strips.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -58,6 +59,22 @@ TEST(FlightStrips, VelocitiesAreThoseOfTheStrip) {
     rounded.images.at({i}).taken = "2024:03:01 08:00:0" + std::to_string(static_cast<int>(1.8 * i));
   for (const auto& [id, velocity] : flight_velocities(rounded)) EXPECT_NEAR(velocity.x(), 5, 0.8) << id.value;
   EXPECT_TRUE(flight_velocities(flown(2, 6, false)).empty());
+}
+
+// 2 m/s^2 from standing still, every 0.9 s and in the end every 1.8 s; two cameras at each time.
+TEST(FlightStrips, AccelerationsAreFollowed) {
+  Block block = flown(1, 12, true);
+  const auto time_s = [](std::uint32_t i) { return i < 10 ? 0.9 * (i / 2) : 0.9 * 6; };
+  for (std::uint32_t i = 0; i < 12; ++i) {
+    Rigid3 pose = pose_of(block, {i});
+    pose.translation = -(pose.rotation * Eigen::Vector3d(time_s(i) * time_s(i), 20, 100));
+    set_pose(block, {i}, pose);
+    block.images.at({i}).taken = fmt::format("2024:03:01 08:00:{:04.1f}", 10 + time_s(i));
+  }
+  const auto velocities = flight_velocities(block);
+  ASSERT_EQ(velocities.size(), 12u);
+  for (const auto& [id, velocity] : velocities)
+    EXPECT_LT((velocity - Eigen::Vector3d(2 * time_s(id.value), 0, 0)).norm(), 1e-4) << id.value;
 }
 
 TEST(FlightStrips, WithoutPositionsThereAreNone) {

@@ -40,15 +40,6 @@ Aspect aspect_of(SystematicKind kind) {
   return Aspect::kWhole;
 }
 
-Subject subject_of(const SystematicTest& test) {
-  Subject subject(aspect_of(test.kind));
-  if (test.camera) subject = Subject(*test.camera, subject.aspect);
-  if (test.strip) subject = Subject(SubjectKind::kStrip, static_cast<std::uint32_t>(*test.strip), subject.aspect);
-  if (test.kind == SystematicKind::kAdditional) subject.axis = static_cast<std::uint8_t>(test.additional);
-  if (test.kind == SystematicKind::kAssignment && !test.values.empty()) subject.axis = test.values[0] > 0 ? 0 : 1;
-  return subject;
-}
-
 // The option that takes it up, or what else to do. Only a camera that is calibrated gets more parameters, and only
 // those that the block determines.
 std::vector<Remedy> remedies_of(const SystematicTest& test, const Block& block) {
@@ -111,6 +102,15 @@ Finding finding_of_test(const std::vector<SystematicTest>& tests, const Systemat
 }
 
 }  // namespace
+
+Subject subject_of(const SystematicTest& test) {
+  Subject subject(aspect_of(test.kind));
+  if (test.camera) subject = Subject(*test.camera, subject.aspect);
+  if (test.strip) subject = Subject(SubjectKind::kStrip, static_cast<std::uint32_t>(*test.strip), subject.aspect);
+  if (test.kind == SystematicKind::kAdditional) subject.axis = static_cast<std::uint8_t>(test.additional);
+  if (test.kind == SystematicKind::kAssignment && !test.values.empty()) subject.axis = test.values[0] > 0 ? 0 : 1;
+  return subject;
+}
 
 std::vector<Finding> systematic_findings(const std::vector<SystematicTest>& tests, const Block& block) {
   std::vector<const SystematicTest*> named;

@@ -9,6 +9,9 @@
 
 namespace collinea {
 
+/// What a test is of.
+[[nodiscard]] Subject subject_of(const SystematicTest& test);
+
 /// One finding for each significant test that no other explains, the strongest first, with those that cannot be told
 /// from it as further subjects. It is a note when it moves no point by more than its standard deviation.
 [[nodiscard]] std::vector<Finding> systematic_findings(const std::vector<SystematicTest>& tests, const Block& block);

@@ -261,9 +261,9 @@ std::string tests_section(const AdjustmentReport& report, const Reliability& tes
 }  // namespace
 
 std::string adjustment_page(const AdjustmentReport& report, const AdjustmentProducts& products) {
-  std::string html = summary(report) + snooping_section(report) + control_table(report) + accuracy_section(report) +
-                     precision_section(report, products) + network_section(report) + geodetic_table(report) +
-                     unknowns_table(report) + additional_section(report);
+  std::string html = summary(report) + systematic_section(report) + snooping_section(report) + control_table(report) +
+                     accuracy_section(report) + precision_section(report, products) + network_section(report) +
+                     geodetic_table(report) + unknowns_table(report) + additional_section(report);
   if (report.adjusted.reliability) {
     const Reliability& tests = *report.adjusted.reliability;
     html += left_out_table(report, tests) + folded_table(report, tests.folded) + group_table(report, tests) +

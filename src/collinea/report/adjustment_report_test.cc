@@ -77,6 +77,39 @@ TEST(WriteAdjustment, WhatIsWeakIsStatedWithItsRemedy) {
   EXPECT_NE(adjustment_page(report, {}).find("Remedy: Give a known distance"), std::string::npos);
 }
 
+TEST(WriteAdjustment, SystematicErrorsAreNamedWithEveryTest) {
+  AdjustmentReport report;
+  report.block.cameras[{1}].name = "FC6310";
+  EXPECT_FALSE(nlohmann::json::parse(adjustment_json(report)).contains("systematics"));
+  SystematicTest offset{.kind = SystematicKind::kTimeOffset, .camera = CameraId{1}};
+  offset.values = {0.037};
+  offset.sigmas = {0.003};
+  offset.unit = "s";
+  offset.effect_unit = "m";
+  offset.p_value = 1e-9;
+  offset.p_corrected = 2e-8;
+  offset.significant = offset.determined = true;
+  SystematicTest arm{.kind = SystematicKind::kLeverArm, .camera = CameraId{1}};
+  arm.values = {0, 0.3, 0};
+  arm.sigmas = {0.01, 0.02, std::numeric_limits<double>::infinity()};
+  arm.unit = arm.effect_unit = "m";
+  arm.significant = true;
+  arm.explained_by = 0;
+  report.adjusted.systematics = {offset, arm};
+  const auto j = nlohmann::json::parse(adjustment_json(report)).at("systematics");
+  EXPECT_TRUE(j.at("taken_up").empty());
+  EXPECT_EQ(j.at("named").size(), 1);
+  EXPECT_EQ(j.at("named").at(0).at("code"), "systematic");
+  EXPECT_EQ(j.at("tests").size(), 2);
+  EXPECT_EQ(j.at("tests").at(0).at("kind"), "time_offset");
+  EXPECT_EQ(j.at("tests").at(1).at("explained_by"), 0);
+  EXPECT_TRUE(j.at("tests").at(1).at("sigmas").at(2).is_null());
+  const std::string page = adjustment_page(report, {});
+  EXPECT_NE(page.find("shadow of a time offset of the positions of FC6310"), std::string::npos);
+  EXPECT_NE(page.find("not determined m"), std::string::npos);
+  EXPECT_NE(page.find("0.0370 \xc2\xb1 0.0030 s"), std::string::npos);
+}
+
 // Errors of 3 and 4 cm in plan and of 5 and 1 cm in height; survey 1 cm on each axis; control and points that are
 // surveyed in height only do not count in plan.
 TEST(WriteAdjustment, AccuracyAtCheckPointsHoldsThatOfTheirSurvey) {

@@ -14,6 +14,9 @@ namespace collinea {
 /// Root mean squares at check points by ASPRS 2023, the accuracy of their survey included.
 [[nodiscard]] std::string accuracy_section(const AdjustmentReport& report);
 [[nodiscard]] nlohmann::ordered_json accuracy_json(const AdjustmentReport& report);
+/// Systematic errors: what is estimated since it was found, what is named, and every test.
+[[nodiscard]] std::string systematic_section(const AdjustmentReport& report);
+[[nodiscard]] nlohmann::ordered_json systematic_json(const AdjustmentReport& report);
 [[nodiscard]] std::string snooping_section(const AdjustmentReport& report);
 [[nodiscard]] nlohmann::ordered_json snooping_json(const AdjustmentReport& report);
 /// Mean residuals of tie points on a grid over the format of each camera, and how far residuals are from normal ones.

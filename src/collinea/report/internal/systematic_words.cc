@@ -92,6 +92,8 @@ std::string displaced(const Finding& finding) {
 
 }  // namespace
 
+std::string systematic_name(const Subject& subject, const Block& block) { return kind_of(subject, block).what; }
+
 std::string systematic_words(const Finding& finding, const Block& block) {
   if (finding.subjects.empty()) return "";
   const KindWords kind = kind_of(finding.subjects[0], block);
