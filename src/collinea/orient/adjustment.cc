@@ -62,6 +62,27 @@ SystematicOptions systematics_of(const AdjustmentOptions& asked, const Adjustmen
   return options;
 }
 
+std::map<ImageId, Eigen::Vector3d> adjusted_velocities(const Adjustment& done) {
+  Block images;
+  images.images = done.block.images;
+  for (const auto& [id, pose] : oriented_images(done.block)) set_pose(images, id, pose);
+  for (const auto& [id, pose] : done.adjusted.cam_from_world) set_pose(images, id, pose);
+  return flight_velocities(images);
+}
+
+// Whether velocities by poses of the beginning are too rough to test with: from a file these may be decimetres off.
+bool are_rough(const std::map<ImageId, Eigen::Vector3d>& velocities,
+               const std::map<ImageId, Eigen::Vector3d>& adjusted) {
+  constexpr double kRough = 0.02;
+  double squares = 0, of_differences = 0;
+  for (const auto& [id, velocity] : adjusted) {
+    const auto before = velocities.find(id);
+    squares += velocity.squaredNorm();
+    of_differences += before == velocities.end() ? velocity.squaredNorm() : (velocity - before->second).squaredNorm();
+  }
+  return of_differences > kRough * kRough * squares;
+}
+
 // One adjustment, with gross errors rejected where they are to be.
 Result<> adjust_once(const AdjustmentTask& task, const ExamineOptions& options, const AdjustmentOptions& asked,
                      const Run& run, Adjustment& done) {
@@ -153,6 +174,14 @@ Result<Adjustment> adjust_block(AdjustmentTask task, const AdjustmentOptions& as
   ExamineOptions options = task.options;
   options.systematics = systematics_of(asked, done);
   COLLINEA_TRY(adjust_once(task, options, asked, run, done));
+  if (options.systematics.test && !options.systematics.velocity_m_s.empty()) {
+    auto velocities = adjusted_velocities(done);
+    if (are_rough(options.systematics.velocity_m_s, velocities)) {
+      options.systematics.velocity_m_s = std::move(velocities);
+      apply(done.adjusted, done.block);
+      COLLINEA_TRY(adjust_once(task, options, asked, run, done));
+    }
+  }
   for (int taken = 0; taken < kMostTakenUp && asked.systematics == Systematics::kAuto; ++taken) {
     COLLINEA_TRY(const bool more, take_up_systematics(asked, options.adjust.calibration, done));
     if (!more) break;

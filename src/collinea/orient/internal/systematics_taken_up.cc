@@ -27,6 +27,7 @@ Result<bool> take_up_instrument(Adjustment& done) {
   const InstrumentOptions next = taken_up(done.adjusted.systematics, done.instruments);
   const InstrumentOptions more = added(done.instruments, next);
   if (!is_any(more)) return false;
+  apply(done.adjusted, done.block);  // velocities come from it
   COLLINEA_TRY(add_instruments(done.block, more, done.scope));
   const auto is_it = [&](const SystematicTest& test) {
     return (test.kind == SystematicKind::kTimeOffset && more.time_offset) ||
@@ -38,7 +39,6 @@ Result<bool> take_up_instrument(Adjustment& done) {
     if (is_it(test) && (!strongest || test.p_value < strongest->p_value)) strongest = &test;
   if (strongest) done.taken_up.push_back(taken_up_finding(done.adjusted.systematics, *strongest, done.block));
   done.instruments = next;
-  apply(done.adjusted, done.block);
   return true;
 }
 
