@@ -106,6 +106,7 @@ AdjustmentFile random_file() {
   for (std::size_t kind = 0; kind < kGeodeticKinds; ++kind) {
     GeodeticObservation one{
         .kind = GeodeticKind(kind), .from = {0}, .to = {2}, .value = 1 + random.uniform(), .sigma = 0.01};
+    if (one.kind == GeodeticKind::kGnssVector) continue;  // three together: GnssVectorsComeBack
     if (kind == 1) one.role = ControlRole::kCheck;
     if (kind > 1) one.setup = 3, one.instrument_height_m = 1.51;
     if (one.is_of_shape()) {
@@ -161,8 +162,8 @@ TEST(AdjustmentFile, RoundTripKeepsEverything) {
     EXPECT_EQ(back->block.control.at(id).correlation, control.correlation);
     EXPECT_EQ(back->block.control.at(id).position_in_world.y(), control.position_in_world.y());
   }
-  ASSERT_EQ(back->block.geodetic.size(), kGeodeticKinds);
-  for (std::size_t i = 0; i < kGeodeticKinds; ++i) {
+  ASSERT_EQ(back->block.geodetic.size(), kGeodeticKinds - 1);
+  for (std::size_t i = 0; i < back->block.geodetic.size(); ++i) {
     const GeodeticObservation &one = back->block.geodetic[i], &before = file.block.geodetic[i];
     EXPECT_EQ(one.kind, before.kind);
     EXPECT_EQ(one.from, before.from);

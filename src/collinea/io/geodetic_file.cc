@@ -177,6 +177,8 @@ class Reader {
       for (int axis = 0; axis < 3; ++axis) {
         COLLINEA_TRY(row.vector.vector[axis], table_.number_in(columns.vector[axis]));
       }
+      if (!row.vector.vector.allFinite())
+        return table_.bad_row("the vector " + row.from + " - " + row.to + " lacks a component");
       const char* const* next = columns.covariance;
       for (int r = 0; r < 3; ++r)
         for (int c = r; c < 3; ++c) {

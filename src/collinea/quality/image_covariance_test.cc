@@ -16,18 +16,22 @@ const Run kRun;
 constexpr double kSigma_px = 0.4, kControl_m = 0.01;
 constexpr PixelShape kOfMarks{2.5F, 0.7F}, kOfTies{0.5F, -0.6F};
 
-// Errors of all measurements are as their covariances say.
-Block shaped_block(std::uint64_t seed) {
-  Block block = test_block({.points = 100, .control = 12, .seed = seed});
-  Random random(seed, 31);
-  const auto spoil = [&](auto& seen, const PixelShape& shape) {
+// Gives measurements errors as their covariances say.
+void spoil(Block& block, Random& random) {
+  const auto spoil_one = [&](auto& seen, const PixelShape& shape) {
     const double a = random.normal(), b = random.normal();
     seen.sigma_px = kSigma_px;
     seen.shape = shape;
     seen.pixel += kSigma_px * shape.whitening().inverse() * Eigen::Vector2d(a, b);
   };
-  for (Observation& seen : block.observations) spoil(seen, kOfTies);
-  for (ControlObservation& seen : block.control_observations) spoil(seen, kOfMarks);
+  for (Observation& seen : block.observations) spoil_one(seen, kOfTies);
+  for (ControlObservation& seen : block.control_observations) spoil_one(seen, kOfMarks);
+}
+
+Block shaped_block(std::uint64_t seed) {
+  Block block = test_block({.points = 100, .control = 12, .seed = seed});
+  Random random(seed, 31);
+  spoil(block, random);
   for (auto& [id, point] : block.control) {
     point.sigma_m.setConstant(kControl_m);
     if (point.role == ControlRole::kControl) point.position_in_world += kControl_m * normal3(random);
@@ -109,9 +113,9 @@ TEST(ImageCovariance, WhatIsNoneIsRefused) {
 
 // Scores of the lens and of its additional parameters are those of adjusting again with them.
 TEST(ImageCovariance, ScoresAgreeWithAdjustingAgain) {
-  Flown made = flown(3, {.b1_px = 0.05});
-  for (Observation& seen : made.block.observations) seen.shape = kOfTies;
-  for (ControlObservation& seen : made.block.control_observations) seen.shape = kOfMarks;
+  Flown made = flown(3, {.b1_px = 0.05}, {.noise = false});
+  Random random(3, 31);
+  spoil(made.block, random);
   const ExamineOptions options = looking_for_systematics(made, Calibration::kBrown);
   const auto before = examine(made.block, made.scope, options, kRun);
   const auto after = adjust(made.block, made.scope, plain(Calibration::kBrownAffinity), kRun);

@@ -86,7 +86,7 @@ Block setup_block() {
   block.control[{11}] = point;
   block.control[{2}] = {"S", ControlRole::kCheck, any_vector(random), any_vector(random), {0.02, 0.02, 0.03}};
   block.control_observations.push_back({{9}, {1}, {1.0 / 3, 2.0 / 3}, 0.5});
-  block.control_observations.push_back({{9}, {2}, {1.0 / 3, 2.0 / 3}, 0.5, {1.7F, -0.3F}});
+  block.control_observations.push_back({{11}, {1}, {1.0 / 3, 2.0 / 3}, 0.5, {1.7F, -0.3F}});
   block.geodetic.push_back(
       {GeodeticKind::kZenithAngle, "to the tower", {9}, {2}, 1.0 / 3, 1e-5, ControlRole::kCheck, 7, 1.6, 0.1});
   block.geodetic.push_back(
