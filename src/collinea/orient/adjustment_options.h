@@ -71,6 +71,7 @@ struct AdjustmentOptions {
   bool variance_components = false;
   Systematics systematics = Systematics::kAuto;
   double systematics_level = 0.001;
+  double residual_level = 0.001;
   TestOptions tests;
 
   template <class Visit>
@@ -115,6 +116,9 @@ struct AdjustmentOptions {
                 "errors that many observations have in common: instruments, vertical datum, cameras, atmosphere"});
     visit(Field{"systematics_level", &O::systematics_level, "1", "chance that any of them is named in a block without",
                 1e-12, 0.5});
+    visit(Field{"residual_level", &O::residual_level, "1",
+                "chance that any test of the order and distribution of residuals is significant by accident", 1e-12,
+                0.5});
     visit(Part{&O::tests});
     visit(Group{"adjust_instruments", &O::instruments});
   }
