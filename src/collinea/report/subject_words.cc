@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "collinea/report/subject_words.h"
+
 #include <fmt/format.h>
 
 #include "collinea/block/geodetic_words.h"
 #include "collinea/block/subject_label.h"
-#include "collinea/report/finding_words.h"
 
 namespace collinea {
 namespace {
