@@ -5,9 +5,9 @@
 
 #include "collinea/quality/internal/control_folds.h"
 #include "collinea/quality/internal/control_prediction.h"
+#include "collinea/quality/internal/image_order.h"
 #include "collinea/quality/internal/inseparable.h"
 #include "collinea/quality/internal/score_tests.h"
-#include "collinea/quality/residual_tests.h"
 
 namespace collinea {
 namespace {

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "collinea/math/series_tests.h"
+#include "collinea/quality/internal/image_order.h"
 #include "collinea/quality/internal/tie_marginal.h"
 
 namespace collinea {
@@ -74,7 +75,7 @@ class ResidualTester {
       : block_(block), adjusted_(adjusted), order_(order_flown(block, strips)) {
     for (const auto& strip : strips) {
       std::vector<ImageId>& images = strips_.emplace_back();
-      for (const auto& [time, image] : in_order(strip)) images.push_back(image);
+      images = images_of_strip(strip);
     }
     if (strips_.size() < 2) strips_.clear();
   }
@@ -87,13 +88,6 @@ class ResidualTester {
     test_distributions(rays);
     correct_for_number(level);
     return std::move(tests_);
-  }
-
-  static std::vector<std::pair<double, ImageId>> in_order(const std::map<ImageId, double>& strip) {
-    std::vector<std::pair<double, ImageId>> order;
-    for (const auto& [image, time] : strip) order.emplace_back(time, image);
-    std::ranges::sort(order);
-    return order;
   }
 
  private:
@@ -340,20 +334,6 @@ Finding finding_of_test(const ResidualTest& test) {
 }
 
 }  // namespace
-
-std::vector<ImageId> order_flown(const Block& block, std::span<const std::map<ImageId, double>> strips) {
-  std::vector<ImageId> order;
-  std::set<ImageId> taken;
-  for (const auto& strip : strips)
-    for (const auto& [time, image] : ResidualTester::in_order(strip))
-      if (taken.insert(image).second) order.push_back(image);
-  if (!order.empty()) return order;
-  std::vector<std::pair<std::string, ImageId>> by_time;
-  for (const auto& [image, pose] : oriented_images(block)) by_time.emplace_back(block.images.at(image).taken, image);
-  std::ranges::sort(by_time);
-  for (const auto& [time, image] : by_time) order.push_back(image);
-  return order;
-}
 
 std::vector<ResidualTest> residual_tests(const Block& block, const Examined& adjusted,
                                          std::span<const std::map<ImageId, double>> strips, double level) {

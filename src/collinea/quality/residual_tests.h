@@ -81,9 +81,6 @@ struct ResidualTest {
 [[nodiscard]] std::vector<ResidualTest> residual_tests(const Block& block, const Examined& adjusted,
                                                        std::span<const std::map<ImageId, double>> strips, double level);
 
-/// The oriented images in that order, each once.
-[[nodiscard]] std::vector<ImageId> order_flown(const Block& block, std::span<const std::map<ImageId, double>> strips);
-
 /// What is significant, a finding for each series: of several tests of it, axes and strips that with the smallest
 /// chance.
 [[nodiscard]] std::vector<Finding> residual_findings(const std::vector<ResidualTest>& tests);
