@@ -57,7 +57,9 @@ TEST(SeriesTests, FalseAlarmsAreAtTheLevel) {
       distance += kolmogorov(probabilities(values)).p_value() < kLevel;
     }
     EXPECT_LE(runs, kMost + kSpread) << count;  // few pairs have few levels, all below the stated one
-    if (count > 100) EXPECT_GE(runs, kMost / 2);
+    if (count > 100) {
+      EXPECT_GE(runs, kMost / 2);
+    }
     EXPECT_NEAR(lag, kMost, kSpread) << count;
     EXPECT_NEAR(distance, kMost, kSpread) << count;
   }
