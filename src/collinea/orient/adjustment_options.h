@@ -6,6 +6,7 @@
 
 #include "collinea/base/options.h"
 #include "collinea/block/instrument_options.h"
+#include "collinea/epipolar/robust_start.h"
 #include "collinea/quality/examine.h"
 
 namespace collinea {
@@ -54,6 +55,7 @@ struct InstrumentChanges {
 /// How an oriented block, or the measurements of a file, are adjusted with the full model.
 struct AdjustmentOptions {
   std::optional<Calibration> calibration;
+  RobustStart start = RobustStart::kTruncated;
   std::optional<AdditionalSet> additional;
   std::string additional_fixed;
   double additional_level = 0.01;
@@ -79,6 +81,10 @@ struct AdjustmentOptions {
     using O = AdjustmentOptions;
     visit(
         Field{"calibration", &O::calibration, "", "free camera parameters"}.or_auto("those of orient, or of the file"));
+    visit(
+        Field{"start", &O::start, "",
+              "by what poses are found that a file of measurements does not state: how much of what an image shows of "
+              "known points may be grossly wrong"});
     visit(Field{"additional", &O::additional, "",
                 "additional parameters of every camera, on top of its model, also of one that was given"}
               .or_auto("those it has"));

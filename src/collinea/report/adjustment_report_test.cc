@@ -11,6 +11,7 @@
 
 #include "collinea/base/file.h"
 #include "collinea/base/test_folder.h"
+#include "collinea/report/internal/adjustment_findings.h"
 #include "collinea/report/internal/adjustment_products.h"
 
 namespace collinea {
@@ -100,6 +101,21 @@ TEST(WriteAdjustment, TestsOfResidualsAreListedWithThoseThatAreSignificantFirst)
   const std::string page = adjustment_page(report, {});
   EXPECT_NE(page.find("1 of 2 is"), std::string::npos);
   EXPECT_LT(page.find("positions, up, strip 2"), page.find("neighbours in images, rows, wide"));
+}
+
+TEST(WriteAdjustment, SetsThatCannotBeToldApartAreNamed) {
+  AdjustmentReport report;
+  report.snooped.emplace();
+  for (std::uint32_t i = 0; i < 4; ++i) report.snooped->block.control[{i}].name = "P" + std::to_string(i);
+  const auto height = [](std::uint32_t i) {
+    return Measurement{.group = ObservationGroup::kControlHeight, .control = ControlId{i}};
+  };
+  report.snooped->inseparable.push_back({{height(0), height(1)}, {height(2), height(3)}});
+  EXPECT_NE(adjustment_page(report, {}).find("P0, height and P1, height, or P2, height and P3, height"),
+            std::string::npos);
+  const auto sets = nlohmann::json::parse(snooping_json(report).dump()).at("inseparable");
+  EXPECT_EQ(sets,
+            nlohmann::json::parse(R"([{"either": ["P0, height", "P1, height"], "or": ["P2, height", "P3, height"]}])"));
 }
 
 TEST(WriteAdjustment, WhatIsWeakIsStatedWithItsRemedy) {
