@@ -19,7 +19,7 @@ namespace collinea {
 enum class RobustStart : std::uint8_t {
   kTruncated,    ///< least truncated squares (RobustSearch): needs an error beyond which a measurement is wrong
   kLeastMedian,  ///< least median of squares (Rousseeuw 1984): needs none, and more than half to be right
-  kL1,  ///< least sum of absolute errors: needs none; near the least median where gross errors are not all alike
+  kL1,           ///< least sum of absolute errors: needs none; stands as many errors that are not large
 };
 inline constexpr Word<RobustStart> kRobustStartWords[] = {
     {RobustStart::kTruncated, "truncated", "least truncated squares, within a tenth of the image's width"},
@@ -52,6 +52,8 @@ concept RefinesAbsolutely = RobustProblem<P> && requires(const P& problem, const
 ///                      the median of chi-squared with two degrees of freedom takes the place: 0.8493
 ///     then             least squares of those within 2.5 scales, twice; in the end the scale is theirs
 ///
+/// The sum of absolute errors is first brought to its minimum by reweighting.
+///
 /// The median breaks down at half of the measurements, whatever their errors are. The sum of absolute errors is bent by
 /// leverage and by errors that agree with each other, since no error is left out of it; errors behind a camera count as
 /// 1e5 px. `directions` of an error: 1 (epipolar) or 2. Deterministic in the state of `random`. Nothing when no sample
@@ -73,8 +75,11 @@ class StartSearch {
     if (size_ <= kSample) return std::nullopt;
     for_each_sample([&](const std::array<int, kSample>& sample) { attempt(sample); });
     if (!best_) return std::nullopt;
-    for (int round = 0; round < kRefinements; ++round)
-      if (!refine()) return std::nullopt;
+    if (kind_ == RobustStart::kL1 && !refine_absolute()) return std::nullopt;
+    for (int round = 0; round < kRefinements; ++round) {
+      best_ = problem_.refine(*best_, within(*best_, scale_of(*best_)));
+      if (!best_) return std::nullopt;
+    }
     const double scale = scale_of(*best_, within(*best_, scale_of(*best_)));
     return StartFit<Model>{*best_, within(*best_, scale), scale, trials_};
   }
@@ -166,15 +171,11 @@ class StartSearch {
     return items;
   }
 
-  // A refinement that makes the criterion worse is not taken.
-  bool refine() {
-    const std::optional<Model> next = kind_ == RobustStart::kL1
-                                          ? problem_.refine_absolute(*best_)
-                                          : problem_.refine(*best_, within(*best_, scale_of(*best_)));
-    if (!next) return false;
-    if (kind_ == RobustStart::kL1 && !(criterion_of(*next) <= criterion_of(*best_))) return true;
-    best_ = next;
-    return true;
+  // What makes the sum larger is not taken; false: not determined.
+  bool refine_absolute() {
+    const std::optional<Model> next = problem_.refine_absolute(*best_);
+    if (next && criterion_of(*next) <= criterion_of(*best_)) best_ = next;
+    return next.has_value();
   }
 
   const Problem& problem_;
