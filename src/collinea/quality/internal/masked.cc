@@ -70,6 +70,20 @@ bool is_worth_a_look(std::size_t rejected, const SuspectChoice& last) {
          });
 }
 
+// Without marks, which take part only as long as there is room.
+std::size_t count_given(const Measurements& all) {
+  std::size_t count = all.block.geodetic.size() + 2 * all.scope.attitudes.size();
+  if (all.scope.use_control)
+    for (const auto& [id, point] : all.block.control)
+      if (point.role == ControlRole::kControl)
+        count += point.sigma_m.head<2>().allFinite() + std::isfinite(point.sigma_m.z());
+  if (all.scope.use_positions)
+    for (const auto& [id, image] : all.block.images)
+      if (image.position)
+        count += image.position->sigma_m.head<2>().allFinite() + std::isfinite(image.position->sigma_m.z());
+  return count;
+}
+
 ChosenSuspect suspect_of(const JointSystem& system, const JointOutcome& outcome, std::size_t measurement, double limit,
                          const Block& block) {
   ChosenSuspect chosen{.measurement = measurement_at(system.measurements[measurement], block)};
@@ -213,7 +227,7 @@ bool choose_by(const Measurements& all, bool is_healed, const Remaining& remaini
 std::optional<MaskedChoice> masked_choice(const Remaining& remaining, const SuspectChoice& last,
                                           const AdjustOptions& adjust, const Reliability& tests, const Run& run) {
   const std::vector<std::size_t> indices = rejected_given(remaining);
-  if (!is_worth_a_look(indices.size(), last)) return std::nullopt;
+  if (!is_worth_a_look(indices.size(), last) || count_given(remaining.measurements) > kMostGiven) return std::nullopt;
   MaskedChoice out{.before = put_back(remaining, indices)};
   const Measurements all = out.before.measurements;
   const bool is_known =
