@@ -118,6 +118,9 @@ enum class FindingCode : std::uint8_t {
   kInstrumentsMore,         ///< those of further strips
   kSystematic,              ///< an error that many observations have in common, and what cannot be told from it
   kSystematicTakenUp,       ///< the same; the adjustment now estimates it
+  kPositionsInOrder,        ///< residuals of positions follow each other, or take turns, in the order flown
+  kImageResidualsAlike,     ///< residuals of neighbours in images, or means of images in the order flown, are alike
+  kResidualDistribution,    ///< residuals have another distribution than that by which they are tested
   kGrossErrorRejected,      ///< a measurement of what was given that data snooping rejected
   kPartApart,               ///< images that hang together but not with the block
   kImagesAlone,             ///< images that could not be oriented

@@ -21,38 +21,6 @@ std::optional<Similarity3> fit(const std::vector<PositionPair>& pairs, const std
   return align(a, b, weights);
 }
 
-// The similarity of the triple whose median distance is least. All triples when they are few.
-std::optional<Similarity3> least_median(const std::vector<PositionPair>& pairs, std::uint64_t seed) {
-  constexpr std::size_t kMostTrials = 500;
-  const std::size_t n = pairs.size();
-  std::optional<Similarity3> best;
-  double least = std::numeric_limits<double>::infinity();
-  const auto attempt = [&](std::size_t i, std::size_t j, std::size_t k) {
-    const std::array<Eigen::Vector3d, 3> a{pairs[i].in_block, pairs[j].in_block, pairs[k].in_block};
-    const std::array<Eigen::Vector3d, 3> b{pairs[i].in_world, pairs[j].in_world, pairs[k].in_world};
-    const auto candidate = align(a, b);
-    if (!candidate || !(candidate->scale > 0)) return;
-    const double distance = median(distances(pairs, *candidate));
-    if (distance < least) {
-      least = distance;
-      best = candidate;
-    }
-  };
-  if (n * (n - 1) * (n - 2) / 6 <= kMostTrials) {
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = i + 1; j < n; ++j)
-        for (std::size_t k = j + 1; k < n; ++k) attempt(i, j, k);
-    return best;
-  }
-  Random random(seed);
-  for (std::size_t trial = 0; trial < kMostTrials; ++trial) {
-    const auto i = random.below(static_cast<std::uint32_t>(n)), j = random.below(static_cast<std::uint32_t>(n));
-    const auto k = random.below(static_cast<std::uint32_t>(n));
-    if (i != j && j != k && i != k) attempt(i, j, k);
-  }
-  return best;
-}
-
 // Pairs count fully within 27^1/2 standard deviations, beyond not at all.
 std::optional<Similarity3> refined(const std::vector<PositionPair>& pairs, Similarity3 world_from_block,
                                    std::vector<double>& weights) {
@@ -88,6 +56,37 @@ bool span_a_plane(const std::vector<PositionPair>& pairs) {
   return axes[1] > 1e-6 * axes[2] && axes[1] > 4 * variance / double(pairs.size());
 }
 
+std::optional<Similarity3> best_of_triples(const std::vector<PositionPair>& pairs, std::size_t most, std::uint64_t seed,
+                                           const std::function<double(const Similarity3&)>& criterion) {
+  const std::size_t n = pairs.size();
+  if (n < 3) return std::nullopt;
+  std::optional<Similarity3> best;
+  double least = std::numeric_limits<double>::infinity();
+  const auto attempt = [&](std::size_t i, std::size_t j, std::size_t k) {
+    const std::array<Eigen::Vector3d, 3> a{pairs[i].in_block, pairs[j].in_block, pairs[k].in_block};
+    const std::array<Eigen::Vector3d, 3> b{pairs[i].in_world, pairs[j].in_world, pairs[k].in_world};
+    const auto candidate = align(a, b);
+    if (!candidate || !(candidate->scale > 0)) return;
+    if (const double value = criterion(*candidate); value < least) {
+      least = value;
+      best = candidate;
+    }
+  };
+  if (n * (n - 1) * (n - 2) / 6 <= most) {
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = i + 1; j < n; ++j)
+        for (std::size_t k = j + 1; k < n; ++k) attempt(i, j, k);
+    return best;
+  }
+  Random random(seed);
+  for (std::size_t trial = 0; trial < most; ++trial) {
+    const auto i = random.below(static_cast<std::uint32_t>(n)), j = random.below(static_cast<std::uint32_t>(n));
+    const auto k = random.below(static_cast<std::uint32_t>(n));
+    if (i != j && j != k && i != k) attempt(i, j, k);
+  }
+  return best;
+}
+
 std::vector<double> distances(const std::vector<PositionPair>& pairs, const Similarity3& world_from_block) {
   std::vector<double> result;
   for (const PositionPair& pair : pairs) result.push_back((world_from_block * pair.in_block - pair.in_world).norm());
@@ -96,7 +95,9 @@ std::vector<double> distances(const std::vector<PositionPair>& pairs, const Simi
 
 std::optional<RobustSimilarity> robust_similarity(const std::vector<PositionPair>& pairs, std::uint64_t seed) {
   if (pairs.size() < 3) return std::nullopt;
-  const auto start = least_median(pairs, seed);
+  constexpr std::size_t kMostTriples = 500;
+  const auto start = best_of_triples(pairs, kMostTriples, seed,
+                                     [&](const Similarity3& candidate) { return median(distances(pairs, candidate)); });
   if (!start) return std::nullopt;
   RobustSimilarity result;
   const auto best = refined(pairs, *start, result.weights);

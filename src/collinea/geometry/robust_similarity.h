@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -29,6 +30,12 @@ struct RobustSimilarity {
 /// pairs or when those that agree lie on one line.
 [[nodiscard]] std::optional<RobustSimilarity> robust_similarity(const std::vector<PositionPair>& pairs,
                                                                 std::uint64_t seed);
+
+/// Of the similarities of all triples of positions (of `most` drawn ones where there are more) that with the least
+/// criterion; nothing when none has one.
+[[nodiscard]] std::optional<Similarity3> best_of_triples(const std::vector<PositionPair>& pairs, std::size_t most,
+                                                         std::uint64_t seed,
+                                                         const std::function<double(const Similarity3&)>& criterion);
 
 [[nodiscard]] std::vector<double> distances(const std::vector<PositionPair>& pairs,
                                             const Similarity3& world_from_block);

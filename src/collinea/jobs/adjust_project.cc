@@ -89,9 +89,9 @@ std::string names(const std::vector<Id>& ids, const auto& name_of) {
   return ids.size() > kShown ? text + fmt::format(" and {} more", ids.size() - kShown) : text;
 }
 
-Result<> complete(Block& block, const Run& run) {
+Result<> complete(Block& block, RobustStart start, const Run& run) {
   for (const Finding& finding : mirrored_measurements(block, run.seed)) run.say("note: " + sentence_of(finding, block));
-  COLLINEA_TRY(const Approximation found, approximate(block, run.seed));
+  COLLINEA_TRY(const Approximation found, approximate(block, run.seed, start));
   if (!found.resected.empty() || found.intersected > 0)
     run.say(fmt::format("approximate values: {} images resected, {} points intersected", found.resected.size(),
                         found.intersected));
@@ -161,7 +161,7 @@ Result<AdjustmentReport> adjust_file(const std::filesystem::path& path, const st
                 {"given_sigmas"_option});
   COLLINEA_TRY(AdjustmentFile file, read_adjustment(path));
   COLLINEA_TRY(set_deflection(asked, file.block));
-  if (Result<> completed = complete(file.block, run); !completed)
+  if (Result<> completed = complete(file.block, asked.start, run); !completed)
     return tl::unexpected(std::move(completed).error().within(path.string()));
   AdjustmentTask task{.block = {},
                       .scope = {.fixed_images = file.fixed_images,

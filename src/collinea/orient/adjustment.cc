@@ -53,11 +53,11 @@ bool is_to_be_corrected(RefractionChoice choice, const Block& block) {
 SystematicOptions systematics_of(const AdjustmentOptions& asked, const Adjustment& done) {
   SystematicOptions options;
   options.test = asked.systematics != Systematics::kNone;
+  for (const FlightStrip& strip : flight_strips(done.block)) options.strips.push_back(strip);
   if (!options.test) return options;
   options.level = asked.systematics_level;
   options.sigma0_known = asked.tests.sigma0_known;
   options.refraction_corrected = done.refracted.has_value();
-  for (const FlightStrip& strip : flight_strips(done.block)) options.strips.push_back(strip);
   options.velocity_m_s = flight_velocities(done.block);
   return options;
 }
@@ -195,6 +195,8 @@ Result<Adjustment> adjust_block(AdjustmentTask task, const AdjustmentOptions& as
   }
   done.additional_level = asked.additional_level;
   done.additional = test_additional(done.block, done.adjusted, options.test.sigma0_known, asked.additional_level);
+  done.residual_level = asked.residual_level;
+  done.residual_tests = residual_tests(done.block, done.adjusted, options.systematics.strips, asked.residual_level);
   apply(done.adjusted, done.block);
   return done;
 }

@@ -8,6 +8,7 @@
 #include "collinea/orient/adjustment_options.h"
 #include "collinea/quality/additional_choice.h"
 #include "collinea/quality/mismatches.h"
+#include "collinea/quality/residual_tests.h"
 #include "collinea/quality/snooping.h"
 #include "collinea/quality/variance_components.h"
 
@@ -36,6 +37,8 @@ struct Adjustment {
   std::optional<VarianceComponents> components;  ///< when they were estimated and applied
   std::vector<AdditionalTest> additional;        ///< of cameras with additional parameters
   double additional_level = 0;                   ///< of their tests
+  std::vector<ResidualTest> residual_tests;      ///< of their order and distribution
+  double residual_level = 0;                     ///< of them all together
 };
 
 /// Gives the cameras of the task the additional set that was asked for, free or fixed. A camera with another set begins

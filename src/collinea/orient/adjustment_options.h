@@ -6,6 +6,7 @@
 
 #include "collinea/base/options.h"
 #include "collinea/block/instrument_options.h"
+#include "collinea/epipolar/robust_start.h"
 #include "collinea/quality/examine.h"
 
 namespace collinea {
@@ -54,6 +55,7 @@ struct InstrumentChanges {
 /// How an oriented block, or the measurements of a file, are adjusted with the full model.
 struct AdjustmentOptions {
   std::optional<Calibration> calibration;
+  RobustStart start = RobustStart::kTruncated;
   std::optional<AdditionalSet> additional;
   std::string additional_fixed;
   double additional_level = 0.01;
@@ -72,6 +74,7 @@ struct AdjustmentOptions {
   bool variance_components = false;
   Systematics systematics = Systematics::kAuto;
   double systematics_level = 0.001;
+  double residual_level = 0.001;
   TestOptions tests;
 
   template <class Visit>
@@ -79,6 +82,10 @@ struct AdjustmentOptions {
     using O = AdjustmentOptions;
     visit(
         Field{"calibration", &O::calibration, "", "free camera parameters"}.or_auto("those of orient, or of the file"));
+    visit(
+        Field{"start", &O::start, "",
+              "by what poses are found that a file of measurements does not state: how much of what an image shows of "
+              "known points may be grossly wrong"});
     visit(Field{"additional", &O::additional, "",
                 "additional parameters of every camera, on top of its model, also of one that was given"}
               .or_auto("those it has"));
@@ -122,6 +129,9 @@ struct AdjustmentOptions {
                 "errors that many observations have in common: instruments, vertical datum, cameras, atmosphere"});
     visit(Field{"systematics_level", &O::systematics_level, "1", "chance that any of them is named in a block without",
                 1e-12, 0.5});
+    visit(Field{"residual_level", &O::residual_level, "1",
+                "chance that any test of the order and distribution of residuals is significant by accident", 1e-12,
+                0.5});
     visit(Part{&O::tests});
     visit(Group{"adjust_instruments", &O::instruments});
   }

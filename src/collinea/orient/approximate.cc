@@ -29,7 +29,7 @@ struct Known {
 
 class Approximator {
  public:
-  Approximator(Block& block, std::uint64_t seed) : block_(block), seed_(seed) {
+  Approximator(Block& block, std::uint64_t seed, RobustStart start) : block_(block), seed_(seed), start_(start) {
     for (std::size_t i = 0; i < block.observations.size(); ++i) {
       of_image_[block.observations[i].image].push_back(i);
       of_point_[block.observations[i].point].push_back(i);
@@ -96,7 +96,8 @@ class Approximator {
       const Camera& camera = block_.camera_of(id);
       const ResectOptions options{.max_error_px = kLoosePart * std::max(camera.width_px, camera.height_px),
                                   .min_inliers = kLeastPoints,
-                                  .min_inlier_ratio = 0.5};
+                                  .min_inlier_ratio = 0.5,
+                                  .start = start_};
       const auto pose = resect(camera, known[id].pixels, known[id].positions, options, seed_);
       if (!pose) continue;
       set_pose(block_, id, pose->cam_from_world);
@@ -140,6 +141,7 @@ class Approximator {
 
   Block& block_;
   std::uint64_t seed_;
+  RobustStart start_;
   std::map<ImageId, std::vector<std::size_t>> of_image_;
   std::map<PointId, std::vector<std::size_t>> of_point_;
   std::map<ControlId, std::vector<std::size_t>> of_mark_;  // of those that have no coordinates
@@ -149,6 +151,8 @@ class Approximator {
 
 }  // namespace
 
-Result<Approximation> approximate(Block& block, std::uint64_t seed) { return Approximator(block, seed).approximate(); }
+Result<Approximation> approximate(Block& block, std::uint64_t seed, RobustStart start) {
+  return Approximator(block, seed, start).approximate();
+}
 
 }  // namespace collinea

@@ -6,6 +6,7 @@
 
 #include "collinea/base/result.h"
 #include "collinea/block/block.h"
+#include "collinea/epipolar/robust_start.h"
 
 namespace collinea {
 
@@ -21,9 +22,11 @@ struct Approximation {
 
 /// Finds approximate poses and coordinates where they are missing: images are resected from control and from tie points
 /// that are known, tie points and control points without coordinates (these for resection alone: adjustment intersects
-/// them itself) are intersected from oriented images, the best determined image first, until nothing more
-/// is found. Measurements are taken to be free of gross blunders. Errors: kIllPosed when no image has a pose and none
-/// can be resected.
-[[nodiscard]] Result<Approximation> approximate(Block& block, std::uint64_t seed);
+/// them itself) are intersected from oriented images, the best determined image first, until nothing more is found. By
+/// kTruncated measurements count as wrong beyond a tenth of the image's width, which a lens that is known badly may
+/// leave; by kLeastMedian and kL1 the errors of an image themselves tell, of which nearly half may be gross
+/// (robust_start()). Errors: kIllPosed when no image has a pose and none can be resected.
+[[nodiscard]] Result<Approximation> approximate(Block& block, std::uint64_t seed,
+                                                RobustStart start = RobustStart::kTruncated);
 
 }  // namespace collinea

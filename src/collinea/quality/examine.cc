@@ -5,6 +5,7 @@
 
 #include "collinea/quality/internal/control_folds.h"
 #include "collinea/quality/internal/control_prediction.h"
+#include "collinea/quality/internal/image_order.h"
 #include "collinea/quality/internal/inseparable.h"
 #include "collinea/quality/internal/score_tests.h"
 
@@ -84,6 +85,8 @@ class Examination {
     if (run_.stopped()) return;
     found.folded = folds.leave_out(solved_, out_, options_.test.folds);
     out_.reliability = std::move(found);
+    out_.whitened_positions =
+        bundle::whitened_positions(solved_, order_flown(solved_.block(), options_.systematics.strips), inverse);
   }
 
   Solved& solved_;

@@ -14,6 +14,7 @@
 #include "collinea/quality/internal/point_precision.h"
 #include "collinea/quality/internal/reliability.h"
 #include "collinea/quality/internal/weakness.h"
+#include "collinea/quality/internal/whitened_positions.h"
 #include "collinea/quality/systematics.h"
 
 namespace collinea {
@@ -47,6 +48,8 @@ struct Examined : Adjusted {
   std::vector<Finding> weaknesses;          ///< none: everything is well determined
   std::optional<Reliability> reliability;   ///< when asked for
   std::vector<SystematicTest> systematics;  ///< when asked for
+  /// Residuals of positions made independent in the order flown, with reliability; for residual_tests().
+  std::vector<WhitenedPosition> whitened_positions;
 };
 
 /// Examines an adjusted block: covariances, conditioning, weaknesses and, when asked for, reliability (see the headers

@@ -14,6 +14,7 @@
 #include "collinea/quality/internal/gross_choice.h"
 #include "collinea/quality/internal/gross_control.h"
 #include "collinea/quality/internal/gross_error.h"
+#include "collinea/quality/internal/masked.h"
 #include "collinea/quality/internal/rejection.h"
 #include "collinea/quality/internal/suspect_choice.h"
 
@@ -117,6 +118,7 @@ struct Ended {
   int rounds = 0;
   double sigma0_before = 0;
   std::vector<ControlDifference> with;
+  std::vector<InseparableSets> inseparable;
   bool bent = false;  // the first adjustment, after which nothing was done
 };
 
@@ -133,8 +135,8 @@ std::vector<TestedObservation> given_suspects(const Reliability& tests) {
 
 class Rounds {
  public:
-  Rounds(const ExamineOptions& options, int most, const Run& run, SnoopedKinds kinds)
-      : options_(options), most_(most), run_(run), kinds_(kinds) {}
+  Rounds(const ExamineOptions& options, int most, const Run& run, SnoopedKinds kinds, StayReasons stays = {})
+      : options_(options), most_(most), run_(run), kinds_(kinds), known_{.stays = std::move(stays)} {}
 
   // Ends after the first adjustment if that is bent and `may_be_bent` is false.
   Result<Ended> from(Round round, bool may_be_bent) {
@@ -221,6 +223,7 @@ Snooped finished(Ended ended) {
   out.block = std::move(ended.remaining.measurements.block);
   out.attitudes = std::move(ended.remaining.measurements.scope.attitudes);
   out.kept = std::move(ended.choice.kept);
+  out.inseparable = std::move(ended.inseparable);
   out.finished = !ended.choice.bound_is_reached;
   out.rounds = ended.rounds;
   out.sigma0_before = ended.sigma0_before;
@@ -265,6 +268,50 @@ Result<Snooped> with_undecided(GrossChoice gross, const Measurements& given, con
   return finished(std::move(ended));
 }
 
+long given_of(const std::vector<Rejection>& rejections) {
+  return std::ranges::count_if(rejections,
+                               [](const Rejection& one) { return one.rejected.group != ObservationGroup::kTieImages; });
+}
+long given_of(const std::vector<KeptSuspect>& kept) {
+  return std::ranges::count_if(
+      kept, [](const KeptSuspect& one) { return one.observation.group != ObservationGroup::kTieImages; });
+}
+
+// What was chosen has gone, and no more than that has been given up for it.
+bool is_better(const Ended& other, const Ended& ended, const std::vector<Measurement>& chosen, bool is_undecided) {
+  if (!other.adjusted->converged || other.adjusted->reliability->unseen > 0) return false;
+  for (const Measurement& one : chosen)
+    if (std::ranges::none_of(other.remaining.rejections, [&](const Rejection& rejection) {
+          return static_cast<const Measurement&>(rejection.rejected) == one;
+        }))
+      return false;
+  if (is_undecided) return true;
+  return given_of(other.remaining.rejections) + given_of(other.choice.kept) <=
+         given_of(ended.remaining.rejections) + given_of(ended.choice.kept) + 1;
+}
+
+// Pairs and triples that mask each other: the same rounds from where a joint look at all of what was given leads.
+Ended with_masked(Ended ended, const ExamineOptions& options, int most, const Run& run, SnoopedKinds kinds) {
+  const Examined& adjusted = *ended.adjusted;
+  auto masked = masked_choice(ended.remaining, ended.choice, options.adjust, *adjusted.reliability, run);
+  if (!masked) return ended;
+  if (!masked->is_other) {
+    ended.inseparable = std::move(masked->inseparable);
+    return ended;
+  }
+  const double sigma0 = sigma0_of_tests(adjusted, options.test);
+  Round round = next_round(std::move(masked->before), masked->choice, sigma0, ended.rounds);
+  const std::vector<Measurement> chosen = round.rejected;
+  const bool is_undecided = masked->is_undecided;
+  Result<Ended> other = Rounds(options, most, run, kinds, std::move(masked->stays)).from(std::move(round), true);
+  if (!other || !is_better(*other, ended, chosen, is_undecided)) return ended;
+  other->rounds += ended.rounds;
+  other->sigma0_before = ended.sigma0_before;
+  other->with = std::move(ended.with);
+  other->inseparable = std::move(masked->inseparable);
+  return std::move(*other);
+}
+
 }  // namespace
 
 Result<Snooped> snoop(const Block& block, const AdjustScope& scope, const ExamineOptions& options, int most,
@@ -273,7 +320,7 @@ Result<Snooped> snoop(const Block& block, const AdjustScope& scope, const Examin
   asked.reliability = true;
   const Measurements given{block, with_first_cameras(scope, block.cameras)};
   COLLINEA_TRY(Ended ended, Rounds(asked, most, run, kinds).from(first_round(given, most, run), false));
-  if (!ended.bent) return finished(std::move(ended));
+  if (!ended.bent) return finished(with_masked(std::move(ended), asked, most, run, kinds));
   std::optional<GrossChoice> gross = choose_gross(given, asked, most, run);
   if (gross && (gross->contradiction || !gross->undecided.empty()))
     return with_undecided(std::move(*gross), given, asked, run);
@@ -286,7 +333,7 @@ Result<Snooped> snoop(const Block& block, const AdjustScope& scope, const Examin
   }
   COLLINEA_TRY(refused(found->adjusted, found->remaining.measurements, given, asked, run));
   if (ended.adjusted && ended.adjusted->reliability) found->sigma0_before = ended.adjusted->sigma0;
-  return finished(std::move(*found));
+  return finished(with_masked(std::move(*found), asked, most, run, kinds));
 }
 
 namespace {

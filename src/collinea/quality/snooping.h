@@ -21,6 +21,7 @@ struct Snooped {
   std::map<ImageId, GivenAttitude> attitudes;  ///< of the scope, those that were rejected with infinite sigmas
   std::vector<Rejected> rejected;              ///< in the order in which it went
   std::vector<KeptSuspect> kept;               ///< suspects of the last adjustment that cannot go, worst first
+  std::vector<InseparableSets> inseparable;    ///< of suspects that stay: which of two sets is wrong cannot be told
   int put_back = 0;                            ///< that went, and in the end agreed with what was left
   int rounds = 0;                              ///< adjustments
   bool finished = false;                       ///< nothing is left that could be rejected
@@ -42,7 +43,9 @@ struct Snooped {
 ///     choose the suspects that go, worst first (choose_suspects())
 ///     reject them
 ///
-/// In the end what agrees with what is left is put back, once (agreeing()): another gross error had spoilt it.
+/// In the end what agrees with what is left is put back, once (agreeing()): another gross error had spoilt it. Where
+/// two or more of what was given have gone, or suspects stay, all of it is looked at together: pairs and triples that
+/// mask each other, or that made a good one look wrong, go in its place (masked_choice()).
 ///
 /// What cannot be decided stays, with its reason (StayReason). Foerstner's limits of controllability hold: below a
 /// redundancy of 0.01 nothing shows a gross error, below 0.1 little does. Of two observations whose tests have a

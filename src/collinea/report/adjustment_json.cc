@@ -259,6 +259,7 @@ std::string adjustment_json(const AdjustmentReport& report) {
   }
   j["network"] = network_json(report);
   j["residuals"] = residual_json(report);
+  if (!report.residual_tests.empty()) j["residual_tests"] = residual_tests_json(report);
   j["weaknesses"] = findings_json(adjusted.weaknesses, report.block);
   if (!report.taken_up.empty() || !adjusted.systematics.empty()) j["systematics"] = systematic_json(report);
   if (report.mismatches)

@@ -269,7 +269,7 @@ std::string adjustment_page(const AdjustmentReport& report, const AdjustmentProd
     html += left_out_table(report, tests) + folded_table(report, tests.folded) + group_table(report, tests) +
             tests_section(report, tests);
   }
-  html += weak_section(report) + correlation_section(report) + residual_section(report);
+  html += weak_section(report) + correlation_section(report) + residual_section(report) + residual_test_section(report);
   html += "<footer>All figures are also in adjustment.json and the tables beside it.</footer>\n";
   return whole_page({report.title.empty() ? "Project" : report.title, "adjustment", "Adjustment report", ""}, html);
 }

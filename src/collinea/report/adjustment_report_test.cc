@@ -11,6 +11,7 @@
 
 #include "collinea/base/file.h"
 #include "collinea/base/test_folder.h"
+#include "collinea/report/internal/adjustment_findings.h"
 #include "collinea/report/internal/adjustment_products.h"
 
 namespace collinea {
@@ -63,6 +64,58 @@ TEST(WriteAdjustment, ASystematicResidualIsSignificantAndScatterIsNot) {
   EXPECT_NEAR(camera.at("cells").at(0).at("mean_px").at(0).get<double>(), 0.3, 1e-12);
   EXPECT_GT(camera.at("cells").at(0).at("chi_squared").get<double>(), 20);
   EXPECT_NE(adjustment_page(report, {}).find("Systematic residuals"), std::string::npos);
+}
+
+TEST(WriteAdjustment, TestsOfResidualsAreListedWithThoseThatAreSignificantFirst) {
+  AdjustmentReport report;
+  report.block.cameras[{1}].name = "wide";
+  report.residual_level = 0.001;
+  report.residual_tests.push_back({.kind = ResidualTestKind::kRuns,
+                                   .series = ResidualSeries::kInImages,
+                                   .axis = 1,
+                                   .camera = CameraId{1},
+                                   .count = 100,
+                                   .value = 49,
+                                   .expected = 50,
+                                   .rms = 0.3,
+                                   .p_value = 0.4});
+  report.residual_tests.push_back({.kind = ResidualTestKind::kAutocorrelation,
+                                   .series = ResidualSeries::kPositions,
+                                   .axis = 2,
+                                   .strip = 1,
+                                   .count = 40,
+                                   .value = 0.6,
+                                   .correlation = 0.6,
+                                   .rms = 0.03,
+                                   .p_value = 1e-5,
+                                   .p_corrected = 2e-5,
+                                   .significant = true});
+  const auto json = nlohmann::json::parse(adjustment_json(report)).at("residual_tests");
+  EXPECT_EQ(json.at("level"), 0.001);
+  EXPECT_EQ(json.at("tests").at(0).at("camera"), "wide");
+  EXPECT_EQ(json.at("tests").at(0).at("series"), "in_images");
+  EXPECT_EQ(json.at("tests").at(0).at("rms_px"), 0.3);
+  EXPECT_EQ(json.at("tests").at(1).at("test"), "autocorrelation");
+  EXPECT_EQ(json.at("tests").at(1).at("axis"), "up");
+  EXPECT_EQ(json.at("tests").at(1).at("strip"), 2);
+  const std::string page = adjustment_page(report, {});
+  EXPECT_NE(page.find("1 of 2 is"), std::string::npos);
+  EXPECT_LT(page.find("positions, up, strip 2"), page.find("neighbours in images, rows, wide"));
+}
+
+TEST(WriteAdjustment, SetsThatCannotBeToldApartAreNamed) {
+  AdjustmentReport report;
+  report.snooped.emplace();
+  for (std::uint32_t i = 0; i < 4; ++i) report.snooped->block.control[{i}].name = "P" + std::to_string(i);
+  const auto height = [](std::uint32_t i) {
+    return Measurement{.group = ObservationGroup::kControlHeight, .control = ControlId{i}};
+  };
+  report.snooped->inseparable.push_back({{height(0), height(1)}, {height(2), height(3)}});
+  EXPECT_NE(adjustment_page(report, {}).find("P0, height and P1, height, or P2, height and P3, height"),
+            std::string::npos);
+  const auto sets = nlohmann::json::parse(snooping_json(report).dump()).at("inseparable");
+  EXPECT_EQ(sets,
+            nlohmann::json::parse(R"([{"either": ["P0, height", "P1, height"], "or": ["P2, height", "P3, height"]}])"));
 }
 
 TEST(WriteAdjustment, WhatIsWeakIsStatedWithItsRemedy) {

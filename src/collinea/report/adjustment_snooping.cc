@@ -20,7 +20,7 @@ using json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostRows = 50;
 
-std::string name_of(const Rejected& rejected, const Block& block) {
+std::string name_of(const Measurement& rejected, const Block& block) {
   switch (rejected.group) {
     case ObservationGroup::kTieImages:
       return fmt::format("tie point {} in {}", rejected.point.value, block.images.at(rejected.image).file);
@@ -60,6 +60,28 @@ const char* axis_of(const Rejected& rejected) {
   if (source == ObservationSource::kAttitude) return kRotation[rejected.axis];
   if (source == ObservationSource::kGeodetic) return "measured";
   return is_image_point(rejected.group) ? kInImage[rejected.axis] : kOnGround[rejected.axis];
+}
+
+std::vector<std::string> names_of(const std::vector<Measurement>& measurements, const Block& block) {
+  std::vector<std::string> names;
+  for (const Measurement& one : measurements) names.push_back(name_of(one, block));
+  return names;
+}
+
+std::string inseparable_words(const Snooped& snooped) {
+  if (snooped.inseparable.empty()) return "";
+  const auto listed = [&](const std::vector<Measurement>& measurements) {
+    std::string text;
+    for (const std::string& name : names_of(measurements, snooped.block)) text += (text.empty() ? "" : " and ") + name;
+    return text;
+  };
+  std::string html =
+      "<p>Which of these is wrong cannot be told: gross errors in the one look like gross errors in the other, "
+      "whatever their sizes. Measure one of them again, or others that check them.</p>\n<ul>";
+  for (std::size_t i = 0; i < std::min(kMostRows, snooped.inseparable.size()); ++i)
+    html += "<li>" + escaped(listed(snooped.inseparable[i].either)) + ", or " +
+            escaped(listed(snooped.inseparable[i].or_else)) + "</li>\n";
+  return html + "</ul>\n";
 }
 
 }  // namespace
@@ -117,6 +139,7 @@ std::string snooping_section(const AdjustmentReport& report) {
               "</li>\n";
     html += "</ul>\n";
   }
+  html += inseparable_words(snooped);
   if (!snooped.with.empty() && !snooped.rejected.empty()) {
     html +=
         "<p>Differences of control and check points with all observations, and now [m]:</p>\n<table><thead><tr><th "
@@ -163,9 +186,13 @@ json snooping_json(const AdjustmentReport& report) {
                     {"reason", words_of(one.reason)}});
   for (const ControlDifference& one : snooped.with)
     with.push_back({{"name", snooped.block.control.at(one.point).name}, {"difference_m", vector(one.difference_m)}});
+  json inseparable = json::array();
+  for (const InseparableSets& sets : snooped.inseparable)
+    inseparable.push_back(
+        {{"either", names_of(sets.either, snooped.block)}, {"or", names_of(sets.or_else, snooped.block)}});
   return {{"adjustments", snooped.rounds}, {"finished", snooped.finished}, {"sigma0_before", snooped.sigma0_before},
           {"rejected", rejected},          {"put_back", snooped.put_back}, {"not_to_be_rejected", kept},
-          {"control_points_before", with}};
+          {"inseparable", inseparable},    {"control_points_before", with}};
 }
 
 std::string rejected_csv(const Snooped& snooped) {

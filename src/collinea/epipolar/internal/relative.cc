@@ -6,6 +6,8 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <vector>
 
 #include "collinea/epipolar/internal/essential.h"
 #include "collinea/epipolar/internal/matrix_fit.h"
@@ -17,6 +19,9 @@ namespace {
 // Sum over the pairs of the squared Sampson distances r = c / sqrt(d), capped, with c = q' M p and
 // d = |(M p)_xy|^2 / f2^2 + |(M' q)_xy|^2 / f1^2:
 //   dr/dM = q p' / sqrt(d) - c / d^1.5 ((M p)_xy0 p' / f2^2 + q (M' q)_xy0' / f1^2).
+// Of absolute distances, the cost 2 |r| rounded off within loss_px: r has the weight 1 / |r| (reweighted least
+// squares).
+template <bool kAbsolute = false>
 MatrixNormal normal_equations(const Eigen::Matrix3d& matrix, const PointPairs& pairs, std::span<const int> support,
                               double loss_px) {
   double w1 = 1 / (pairs.focal_first_px * pairs.focal_first_px);
@@ -35,8 +40,15 @@ MatrixNormal normal_equations(const Eigen::Matrix3d& matrix, const PointPairs& p
     }
     const double d = w2 * line2.head<2>().squaredNorm() + w1 * line1.head<2>().squaredNorm();
     const double inverse_root = 1 / std::sqrt(d), r = c * inverse_root, slope = r / d;
-    const double cap = 1 / (1 + r * r * inverse_loss2);
-    sum.cost += r * r * cap;
+    double cap;
+    if constexpr (kAbsolute) {
+      const double length = std::hypot(r, loss_px);
+      cap = 1 / std::sqrt(length);
+      sum.cost += 2 * length;
+    } else {
+      cap = 1 / (1 + r * r * inverse_loss2);
+      sum.cost += r * r * cap;
+    }
     const Eigen::Vector3d left = q * inverse_root - Eigen::Vector3d(line2.x(), line2.y(), 0) * (slope * w2);
     const Eigen::Vector3d right = Eigen::Vector3d(line1.x(), line1.y(), 0) * (slope * w1);
     for (int a = 0; a < 3; ++a) row.segment<3>(3 * a) = left(a) * p - q(a) * right;
@@ -191,6 +203,19 @@ std::optional<RelativeFit> refine_relative(const Rigid3& start, const PointPairs
   result.rms_px = std::sqrt(fit->cost / static_cast<double>(support.size()));
   result.covariance = solver.solve(Eigen::Matrix<double, 5, 5>::Identity());
   return result;
+}
+
+std::optional<Rigid3> refine_relative_absolute(const Rigid3& start, const PointPairs& pairs) {
+  constexpr double kRounded_px = 1e-3;
+  constexpr int kMostIterations = 40;  // reweighting converges linearly
+  std::vector<int> all(static_cast<std::size_t>(pairs.size()));
+  std::iota(all.begin(), all.end(), 0);
+  if (all.size() < 5) return std::nullopt;
+  const auto normal_at = [&](const Eigen::Matrix3d& e) { return normal_equations<true>(e, pairs, all, kRounded_px); };
+  const auto fit =
+      fit_matrix(MotionChart{{start.rotation, start.translation.normalized()}}, normal_at, kMostIterations);
+  if (!fit) return std::nullopt;
+  return fit->value.motion;
 }
 
 std::optional<RelativeFocalFit> refine_relative_and_focal(const Rigid3& start, const PointPairs& pairs,

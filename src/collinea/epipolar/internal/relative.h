@@ -29,6 +29,10 @@ struct RelativeFit {
 [[nodiscard]] std::optional<RelativeFit> refine_relative(const Rigid3& start, const PointPairs& pairs,
                                                          std::span<const int> support, double loss_px);
 
+/// The motion with the least sum of absolute Sampson distances of all pairs, by iteratively reweighted least squares
+/// from `start` (weights 1 / |r|, rounded off within 0.001 px). A local minimum. Nothing as above.
+[[nodiscard]] std::optional<Rigid3> refine_relative_absolute(const Rigid3& start, const PointPairs& pairs);
+
 /// Which focal lengths are off by one common, unknown factor, and how far (standard deviation of its logarithm).
 struct FocalDoubt {
   bool first = true, second = true;

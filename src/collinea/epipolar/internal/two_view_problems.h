@@ -47,6 +47,11 @@ struct EssentialProblem {
     if (!fit) return std::nullopt;
     return essential_matrix(fit->second_from_first);
   }
+  [[nodiscard]] std::optional<Model> refine_absolute(const Model& start) const {
+    const auto motion = refine_relative_absolute(motions(start)[0], pairs);
+    if (!motion) return std::nullopt;
+    return essential_matrix(*motion);
+  }
 };
 
 struct FundamentalProblem {

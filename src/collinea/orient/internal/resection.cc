@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "collinea/base/result.h"
 #include "collinea/epipolar/p3p.h"
@@ -32,13 +33,32 @@ struct Measured {
   std::span<const Eigen::Vector3d> points_in_world;
 };
 
+// What an error counts: capped smoothly (Geman, McClure), or by its length (rounded off within the given one).
+struct ErrorLoss {
+  double loss_px = 0;
+  bool is_absolute = false;
+
+  // The root of the weight of an error, which adds to the cost.
+  double root_weight(double squared, double& cost) const {
+    if (is_absolute) {
+      const double length = std::sqrt(squared + loss_px * loss_px);
+      cost += 2 * length;
+      return 1 / std::sqrt(length);
+    }
+    const double loss2 = loss_px * loss_px, cap = 1 / (1 + squared / loss2);
+    cost += loss2 * (1 - cap);
+    return cap;
+  }
+  // Of a point that is not seen.
+  [[nodiscard]] double farthest() const { return is_absolute ? 2e5 : loss_px * loss_px; }
+};
+
 // Unknowns: rotation about the projection centre and shift, both in the camera, and when N is 7 the logarithm of the
 // focal length.
 template <int N>
 ViewNormal<N> normal_equations(const View& view, const Measured& measured, std::span<const int> support,
-                               double loss_px) {
+                               const ErrorLoss& loss) {
   const Eigen::Matrix3d rotation = view.cam_from_world.rotation.toRotationMatrix();
-  const double loss2 = loss_px * loss_px;
   ViewNormal<N> sum;
   for (const int i : support) {
     const auto k = static_cast<std::size_t>(i);
@@ -47,12 +67,11 @@ ViewNormal<N> normal_equations(const View& view, const Measured& measured, std::
     Matrix2P by_params;
     const auto pixel = project(view.camera, point_in_cam, &by_point, N > 6 ? &by_params : nullptr);
     if (!pixel) {
-      sum.cost += loss2;
+      sum.cost += loss.farthest();
       continue;
     }
     const Eigen::Vector2d error = *pixel - measured.pixels[k];
-    const double cap = 1 / (1 + error.squaredNorm() / loss2);
-    sum.cost += loss2 * (1 - cap);
+    const double cap = loss.root_weight(error.squaredNorm(), sum.cost);
     Eigen::Matrix<double, 2, N> j;
     j.template leftCols<3>() = -by_point * skew(point_in_cam);
     j.template middleCols<3>(3) = by_point;
@@ -89,18 +108,19 @@ std::optional<Eigen::Matrix<double, N, 1>> solved(const ViewNormal<N>& normal, d
 }
 
 template <int N>
-std::optional<View> refined(const View& start, const Measured& measured, std::span<const int> support, double loss_px) {
+std::optional<View> refined(const View& start, const Measured& measured, std::span<const int> support,
+                            const ErrorLoss& loss, int most_iterations = 20) {
   View best = start;
-  auto normal = normal_equations<N>(best, measured, support, loss_px);
+  auto normal = normal_equations<N>(best, measured, support, loss);
   if (!std::isfinite(normal.cost)) return std::nullopt;
   double damping = 1e-6;
-  for (int iteration = 0; iteration < 20 && damping < 1e4; ++iteration) {
+  for (int iteration = 0; iteration < most_iterations && damping < 1e4; ++iteration) {
     const auto solution = solved<N>(normal, damping);
     if (!solution) return std::nullopt;
     const Eigen::Matrix<double, N, 1>& step = *solution;
     const double predicted = -step.dot(normal.gradient);
     const View candidate = moved<N>(best, step);
-    const auto at_candidate = normal_equations<N>(candidate, measured, support, loss_px);
+    const auto at_candidate = normal_equations<N>(candidate, measured, support, loss);
     if (!(at_candidate.cost <= normal.cost)) {
       if (predicted < 1e-9 * normal.cost) break;
       damping = std::max(1e-3, damping * 10);
@@ -159,7 +179,17 @@ class PoseProblem {
   }
 
   [[nodiscard]] std::optional<Rigid3> refine(const Rigid3& start, std::span<const int> support) const {
-    const auto view = refined<6>({start, camera_}, measured_, support, loss_px_);
+    const auto view = refined<6>({start, camera_}, measured_, support, {loss_px_});
+    if (!view) return std::nullopt;
+    return view->cam_from_world;
+  }
+
+  [[nodiscard]] std::optional<Rigid3> refine_absolute(const Rigid3& start) const {
+    constexpr double kRounded_px = 1e-3;
+    constexpr int kMostIterations = 60;  // reweighting converges linearly
+    std::vector<int> all(x_.size());
+    std::iota(all.begin(), all.end(), 0);
+    const auto view = refined<6>({start, camera_}, measured_, all, {kRounded_px, true}, kMostIterations);
     if (!view) return std::nullopt;
     return view->cam_from_world;
   }
@@ -216,7 +246,7 @@ std::optional<Resection> concluded(View view, const Measured& measured, const Re
   for (int round = 0; round < 3; ++round) {
     const std::vector<int> support = agreeing(view, measured, options.max_error_px, nullptr);
     if (static_cast<int>(support.size()) < options.min_inliers) return std::nullopt;
-    const auto better = refined<N>(view, measured, support, options.max_error_px);
+    const auto better = refined<N>(view, measured, support, {options.max_error_px});
     if (!better) return std::nullopt;
     view = *better;
   }
@@ -237,6 +267,16 @@ Camera with_focal_factor(const Camera& camera, double factor) {
   return result;
 }
 
+// Without a limit for errors but that which they show.
+std::optional<Resection> resect_without_limit(const Camera& camera, const Measured& measured, const Measured& mixed,
+                                              ResectOptions options, Random& random) {
+  constexpr double kUncapped_px = 1e6;
+  const auto fit = robust_start(PoseProblem(camera, mixed, kUncapped_px), options.start, 2, random);
+  if (!fit) return std::nullopt;
+  options.max_error_px = std::min(options.max_error_px, std::max(1.0, 3.04 * fit->scale_px));
+  return concluded<6>({fit->model, camera}, measured, options);
+}
+
 }  // namespace
 
 std::optional<Resection> resect(const Camera& camera, std::span<const Eigen::Vector2d> pixels,
@@ -247,6 +287,8 @@ std::optional<Resection> resect(const Camera& camera, std::span<const Eigen::Vec
   Random random(seed);
   const Measured measured{pixels, points_in_world};
   const Shuffled mixed(measured, random);
+  if (options.start != RobustStart::kTruncated)
+    return resect_without_limit(camera, measured, mixed.measured(), options, random);
   const auto fit =
       robust_fit(PoseProblem(camera, mixed.measured(), options.max_error_px), search_options(options), random);
   if (!fit) return std::nullopt;
@@ -271,7 +313,7 @@ std::optional<Resection> resect_with_focal(const Camera& camera, std::span<const
     const Camera trial = with_focal_factor(camera, factor);
     const auto fit = robust_fit(PoseProblem(trial, mixed.measured(), search.max_error_px), search, random);
     if (!fit) continue;
-    const auto view = refined<7>({fit->model, trial}, mixed.measured(), fit->inliers, search.max_error_px);
+    const auto view = refined<7>({fit->model, trial}, mixed.measured(), fit->inliers, {search.max_error_px});
     if (!view) continue;
     double sum = 0;
     const auto inliers = agreeing(*view, mixed.measured(), options.max_error_px, &sum);

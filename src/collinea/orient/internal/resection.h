@@ -9,6 +9,7 @@
 
 #include "collinea/base/options.h"
 #include "collinea/camera/camera.h"
+#include "collinea/epipolar/robust_start.h"
 #include "collinea/geometry/rigid3.h"
 
 namespace collinea {
@@ -19,6 +20,7 @@ struct ResectOptions {
   double min_inlier_ratio = 0.1;
   double confidence = 0.9999;
   int max_trials = 5000;
+  RobustStart start = RobustStart::kTruncated;
 
   template <class Visit>
   static void describe(Visit&& visit) {
@@ -29,6 +31,7 @@ struct ResectOptions {
                 1.0});
     visit(Field{"confidence", &O::confidence, "1", "wanted chance of one sample without outliers", 0.0, 1.0});
     visit(Field{"max_trials", &O::max_trials, "1", "upper bound of samples drawn", 1});
+    visit(Field{"start", &O::start, "", "by what the pose is found among wrong points"});
   }
 };
 
@@ -43,7 +46,9 @@ struct Resection {
 
 /// The pose of a camera that sees `points_in_world[i]` at `pixels[i]`, among wrong pairs: random samples of three
 /// (p3p), improved locally, then Gauss-Newton on the reprojection errors through the full camera model with a smooth
-/// cap (Geman-McClure). Nothing when too few points agree or they do not determine the pose (points on a line).
+/// cap (Geman-McClure). By the least median of squares or the least sum of absolute errors (ResectOptions::start) the
+/// errors themselves tell what is wrong: beyond 3.04 robust standard deviations, max_error_px at most, a pixel at
+/// least. Nothing when too few points agree or they do not determine the pose (points on a line).
 [[nodiscard]] std::optional<Resection> resect(const Camera& camera, std::span<const Eigen::Vector2d> pixels,
                                               std::span<const Eigen::Vector3d> points_in_world,
                                               const ResectOptions& options, std::uint64_t seed);

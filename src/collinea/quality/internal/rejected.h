@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <span>
+#include <vector>
 
 #include "collinea/base/words.h"
 #include "collinea/quality/internal/measurement.h"
@@ -48,6 +49,12 @@ constexpr std::span<const Word<StayReason>> words(StayReason) { return kStayReas
 struct KeptSuspect {
   TestedObservation observation;  ///< its source refers to the block that was tested
   StayReason reason{};
+};
+
+/// Two sets of measurements of which either is wrong, or the other: gross errors in the one look like gross errors in
+/// the other.
+struct InseparableSets {
+  std::vector<Measurement> either, or_else;
 };
 
 /// Measurements that stay whatever their tests say, from rounds that had to be taken back.

@@ -10,8 +10,8 @@
 
 #include "collinea/block/transform.h"
 #include "collinea/epipolar/intersect.h"
+#include "collinea/geometry/robust_similarity.h"
 #include "collinea/math/median.h"
-#include "collinea/math/random.h"
 #include "collinea/quality/internal/mark_network.h"
 
 namespace collinea {
@@ -97,38 +97,15 @@ double roots_of_differences(const std::vector<KnownPosition>& positions, const S
   return sum;
 }
 
+// By the triple of positions known on all axes for which the roots are least.
 std::optional<Similarity3> robust_alignment(const std::vector<KnownPosition>& positions, std::uint64_t seed) {
-  constexpr std::uint32_t kMostTriples = 1000;
-  std::vector<const KnownPosition*> full;
+  constexpr std::size_t kMostTriples = 1000;
+  std::vector<bundle::PositionPair> full;
   for (const KnownPosition& one : positions)
-    if (one.is_full()) full.push_back(&one);
-  std::optional<Similarity3> best;
-  double least = kInfinity;
-  const auto attempt = [&](std::size_t i, std::size_t j, std::size_t k) {
-    const std::array<Eigen::Vector3d, 3> a{full[i]->in_network, full[j]->in_network, full[k]->in_network};
-    const std::array<Eigen::Vector3d, 3> b{full[i]->in_world, full[j]->in_world, full[k]->in_world};
-    const auto similarity = align(a, b);
-    if (!similarity || !(similarity->scale > 0)) return;
-    if (const double sum = roots_of_differences(positions, *similarity); sum < least) {
-      least = sum;
-      best = similarity;
-    }
-  };
-  const std::size_t n = full.size();
-  if (n < 3) return std::nullopt;
-  if (n * (n - 1) * (n - 2) / 6 <= kMostTriples) {
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = i + 1; j < n; ++j)
-        for (std::size_t k = j + 1; k < n; ++k) attempt(i, j, k);
-    return best;
-  }
-  Random random(seed);
-  for (std::uint32_t trial = 0; trial < kMostTriples; ++trial) {
-    const auto i = random.below(static_cast<std::uint32_t>(n)), j = random.below(static_cast<std::uint32_t>(n));
-    const auto k = random.below(static_cast<std::uint32_t>(n));
-    if (i != j && j != k && i != k) attempt(i, j, k);
-  }
-  return best;
+    if (one.is_full()) full.push_back({one.in_network, one.in_world});
+  return bundle::best_of_triples(full, kMostTriples, seed, [&](const Similarity3& candidate) {
+    return roots_of_differences(positions, candidate);
+  });
 }
 
 // --- reweighting

@@ -9,6 +9,7 @@
 
 #include "collinea/adjust/observation_kinds.h"
 #include "collinea/math/fisher.h"
+#include "collinea/math/series_tests.h"
 #include "collinea/quality/internal/covariance.h"
 #include "collinea/quality/internal/hypothesis_layout.h"
 
@@ -167,18 +168,18 @@ void ScoreTests::choose_assignment() {
   fits_.erase(fits_.begin() + dropped);
 }
 
-// Holm (1979): the smallest of m by m, the next by m - 1 ...
 void ScoreTests::correct_for_number(double level) {
-  std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < tests_.size(); ++i)
-    if (tests_[i].degrees > 0) order.push_back(i);
-  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return tests_[i].p_value; });
-  double largest = 0;
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    SystematicTest& test = tests_[order[k]];
-    largest = std::max(largest, std::min(1.0, test.p_value * static_cast<double>(order.size() - k)));
-    test.p_corrected = largest;
-    test.significant = largest < level;
+  std::vector<std::size_t> tested;
+  std::vector<double> p_values;
+  for (std::size_t i = 0; i < tests_.size(); ++i) {
+    if (tests_[i].degrees == 0) continue;
+    tested.push_back(i);
+    p_values.push_back(tests_[i].p_value);
+  }
+  const std::vector<double> corrected = holm(p_values);
+  for (std::size_t k = 0; k < tested.size(); ++k) {
+    tests_[tested[k]].p_corrected = corrected[k];
+    tests_[tested[k]].significant = corrected[k] < level;
   }
 }
 

@@ -22,6 +22,9 @@ namespace collinea {
 /// Mean residuals of tie points on a grid over the format of each camera, and how far residuals are from normal ones.
 [[nodiscard]] std::string residual_section(const AdjustmentReport& report);
 [[nodiscard]] nlohmann::ordered_json residual_json(const AdjustmentReport& report);
+/// Tests of the order of residuals and of their distribution.
+[[nodiscard]] std::string residual_test_section(const AdjustmentReport& report);
+[[nodiscard]] nlohmann::ordered_json residual_tests_json(const AdjustmentReport& report);
 /// Correlations of the parameters of each camera, of these with poses, and within poses.
 [[nodiscard]] std::string correlation_section(const AdjustmentReport& report);
 [[nodiscard]] nlohmann::ordered_json pose_correlation_json(const AdjustmentReport& report);

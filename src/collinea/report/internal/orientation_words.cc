@@ -6,6 +6,7 @@
 
 #include "collinea/report/internal/cells.h"
 #include "collinea/report/internal/finding_sentences.h"
+#include "collinea/report/internal/residual_words.h"
 #include "collinea/report/internal/systematic_words.h"
 
 namespace collinea {
@@ -98,6 +99,10 @@ std::string words_of_orientation(const FindingWords& w) {
       return systematic_words(w.finding, w.block);
     case C::kSystematicTakenUp:
       return systematic_words(w.finding, w.block) + " It is estimated now.";
+    case C::kPositionsInOrder:
+    case C::kImageResidualsAlike:
+    case C::kResidualDistribution:
+      return residual_words(w.finding, w.block);
     case C::kGrossErrorRejected:
       return gross_error_words(w);
     case C::kInstrumentsMore:

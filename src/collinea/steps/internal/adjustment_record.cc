@@ -8,6 +8,7 @@
 #include "collinea/epipolar/intersect.h"
 #include "collinea/orient/adjusted_findings.h"
 #include "collinea/quality/mark_check.h"
+#include "collinea/quality/residual_tests.h"
 #include "collinea/quality/systematic_findings.h"
 #include "collinea/report/statistics.h"
 
@@ -144,6 +145,7 @@ std::vector<Finding> findings_of(const Adjustment& adjustment, const Orientation
   const auto add = [&](const std::vector<Finding>& more) { findings.insert(findings.end(), more.begin(), more.end()); };
   add(adjustment.taken_up);
   add(systematic_findings(adjustment.adjusted.systematics, adjustment.block));
+  add(residual_findings(adjustment.residual_tests));
   if (adjustment.snooped) add(rejected_findings(*adjustment.snooped));
   return findings;
 }

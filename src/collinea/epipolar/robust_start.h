@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "collinea/base/words.h"
+#include "collinea/epipolar/robust.h"
+
+namespace collinea {
+
+/// By what an orientation is found that many gross errors must not bend.
+enum class RobustStart : std::uint8_t {
+  kTruncated,    ///< least truncated squares (RobustSearch): needs an error beyond which a measurement is wrong
+  kLeastMedian,  ///< least median of squares (Rousseeuw 1984): needs none, and more than half to be right
+  kL1,           ///< least sum of absolute errors: needs none; stands as many errors that are not large
+};
+inline constexpr Word<RobustStart> kRobustStartWords[] = {
+    {RobustStart::kTruncated, "truncated", "least truncated squares, within a tenth of the image's width"},
+    {RobustStart::kLeastMedian, "least_median", "least median of squares: up to nearly half may be wrong"},
+    {RobustStart::kL1, "l1", "least sum of absolute errors"}};
+[[nodiscard]] constexpr std::span<const Word<RobustStart>> words(RobustStart) { return kRobustStartWords; }
+
+/// A model found without a limit for errors.
+template <class Model>
+struct StartFit {
+  Model model;
+  std::vector<int> inliers;  ///< ascending: within 2.5 of `scale_px` (of errors in two directions 3.04: as rarely)
+  double scale_px = 0;       ///< standard deviation of one coordinate of an error, of those that count as right
+  int trials = 0;
+};
+
+/// Problems that can be refined by the least sum of absolute errors from a start, by iteratively reweighted least
+/// squares: Gauss-Newton with the weights 1 / |e|.
+template <class P>
+concept RefinesAbsolutely = RobustProblem<P> && requires(const P& problem, const typename P::Model& model) {
+  { problem.refine_absolute(model) } -> std::same_as<std::optional<typename P::Model>>;
+};
+
+/// The orientation with the least median of squared errors, or the least sum of absolute ones, over minimal samples:
+/// all of them when they are few, else as many as leave a chance of 1e-4 that three times none of them is free of gross
+/// errors with half of the measurements wrong.
+///
+///     least median     min over samples of the h-th smallest e^2,  h = [n / 2] + [(p + 1) / 2], p the size of a sample
+///     scale            1.4826 (1 + 5 / (n - p)) sqrt(e^2_(h))      (Rousseeuw, Leroy 1987), of one direction; of two
+///                      the median of chi-squared with two degrees of freedom takes the place: 0.8493
+///     then             least squares of those within 2.5 scales, twice; in the end the scale is theirs
+///
+/// The sum of absolute errors is first brought to its minimum by reweighting.
+///
+/// The median breaks down at half of the measurements, whatever their errors are. The sum of absolute errors is bent by
+/// leverage and by errors that agree with each other, since no error is left out of it; errors behind a camera count as
+/// 1e5 px. `directions` of an error: 1 (epipolar) or 2. Deterministic in the state of `random`. Nothing when no sample
+/// gave a model, or a refinement is not determined.
+template <RefinesAbsolutely Problem>
+class StartSearch {
+ public:
+  using Model = typename Problem::Model;
+
+  StartSearch(const Problem& problem, RobustStart kind, int directions, Random& random)
+      : problem_(problem),
+        kind_(kind),
+        directions_(directions),
+        random_(random),
+        size_(problem.size()),
+        errors_(static_cast<std::size_t>(std::max(size_, 0))) {}
+
+  [[nodiscard]] std::optional<StartFit<Model>> run() {
+    if (size_ <= kSample) return std::nullopt;
+    for_each_sample([&](const std::array<int, kSample>& sample) { attempt(sample); });
+    if (!best_) return std::nullopt;
+    if (kind_ == RobustStart::kL1 && !refine_absolute()) return std::nullopt;
+    for (int round = 0; round < kRefinements; ++round) {
+      best_ = problem_.refine(*best_, within(*best_, scale_of(*best_)));
+      if (!best_) return std::nullopt;
+    }
+    const double scale = scale_of(*best_, within(*best_, scale_of(*best_)));
+    return StartFit<Model>{*best_, within(*best_, scale), scale, trials_};
+  }
+
+ private:
+  static constexpr int kSample = Problem::kSample;
+  static constexpr int kRefinements = 2;
+  static constexpr double kFarthest_px = 1e5;
+  static constexpr double kExact_px = 1e-6;  // of measurements without errors: rounding
+
+  [[nodiscard]] static double combinations(double n) {
+    double all = 1;
+    for (int k = 0; k < kSample; ++k) all *= (n - k) / (k + 1);
+    return all;
+  }
+
+  template <class Visit>
+  void for_each_sample(Visit&& visit) {
+    const double needed = 3 * std::ceil(std::log(1e-4) / std::log1p(-std::pow(0.5, kSample)));
+    std::array<int, kSample> sample;
+    if (combinations(size_) <= needed) {
+      const auto extend = [&](auto&& self, int depth, int from) -> void {
+        if (depth == kSample) return visit(sample);
+        for (int i = from; i < size_; ++i) {
+          sample[static_cast<std::size_t>(depth)] = i;
+          self(self, depth + 1, i + 1);
+        }
+      };
+      return extend(extend, 0, 0);
+    }
+    for (int trial = 0; trial < static_cast<int>(needed); ++trial) {
+      for (int k = 0; k < kSample;) {
+        const auto drawn = static_cast<int>(random_.below(static_cast<std::uint32_t>(size_)));
+        if (std::find(sample.begin(), sample.begin() + k, drawn) == sample.begin() + k)
+          sample[static_cast<std::size_t>(k++)] = drawn;
+      }
+      visit(sample);
+    }
+  }
+
+  void attempt(const std::array<int, kSample>& sample) {
+    ++trials_;
+    for (const Model& candidate : problem_.solve(sample)) {
+      const double criterion = criterion_of(candidate);
+      if (!(criterion < least_)) continue;
+      least_ = criterion;
+      best_ = candidate;
+    }
+  }
+
+  [[nodiscard]] double criterion_of(const Model& model) {
+    if (kind_ == RobustStart::kLeastMedian) return central(model);
+    problem_.squared_errors(model, 0, size_, errors_.data());
+    double sum = 0;
+    for (const double e : errors_) sum += e < kFarthest_px * kFarthest_px ? std::sqrt(e) : kFarthest_px;
+    return sum;
+  }
+
+  // The h-th smallest squared error.
+  [[nodiscard]] double central(const Model& model) {
+    problem_.squared_errors(model, 0, size_, errors_.data());
+    for (double& e : errors_)
+      if (!(e < kFarthest_px * kFarthest_px)) e = kFarthest_px * kFarthest_px;
+    const auto h = std::min(size_, size_ / 2 + (kSample + 1) / 2);
+    std::nth_element(errors_.begin(), errors_.begin() + (h - 1), errors_.end());
+    return errors_[static_cast<std::size_t>(h - 1)];
+  }
+
+  [[nodiscard]] double scale_of(const Model& model) {
+    const double of_normal = directions_ == 1 ? 1.4826 : 0.8493;
+    return std::max(kExact_px, of_normal * (1 + 5.0 / (size_ - kSample)) * std::sqrt(central(model)));
+  }
+
+  // By those that count as right: with nearly half wrong the median is one of the largest errors of the others.
+  [[nodiscard]] double scale_of(const Model& model, const std::vector<int>& items) {
+    problem_.squared_errors(model, 0, size_, errors_.data());
+    double squares = 0;
+    for (const int i : items) squares += errors_[static_cast<std::size_t>(i)];
+    const double free = static_cast<double>(directions_) * (static_cast<double>(items.size()) - kSample);
+    return free > 0 ? std::max(kExact_px, std::sqrt(squares / free)) : scale_of(model);
+  }
+
+  [[nodiscard]] std::vector<int> within(const Model& model, double scale) {
+    const double limit = (directions_ == 1 ? 2.5 : 3.04) * scale;
+    problem_.squared_errors(model, 0, size_, errors_.data());
+    std::vector<int> items;
+    for (int i = 0; i < size_; ++i)
+      if (errors_[static_cast<std::size_t>(i)] <= limit * limit) items.push_back(i);
+    return items;
+  }
+
+  // What makes the sum larger is not taken; false: not determined.
+  bool refine_absolute() {
+    const std::optional<Model> next = problem_.refine_absolute(*best_);
+    if (next && criterion_of(*next) <= criterion_of(*best_)) best_ = next;
+    return next.has_value();
+  }
+
+  const Problem& problem_;
+  const RobustStart kind_;
+  const int directions_;
+  Random& random_;
+  const int size_;
+  std::vector<double> errors_;
+  std::optional<Model> best_;
+  double least_ = std::numeric_limits<double>::infinity();
+  int trials_ = 0;
+};
+
+template <RefinesAbsolutely Problem>
+[[nodiscard]] std::optional<StartFit<typename Problem::Model>> robust_start(const Problem& problem, RobustStart kind,
+                                                                            int directions, Random& random) {
+  return StartSearch<Problem>(problem, kind, directions, random).run();
+}
+
+}  // namespace collinea
