@@ -17,6 +17,7 @@ namespace {
 constexpr std::string_view kHead = R"(collinea-adjustment 1
 # Measurements and all that is known beforehand, for collinea adjust --import. Metres, pixels, degrees.
 # A name with blanks stands in double quotes; - means not given; a # begins a remark.
+#   option NAME VALUE                            how it is to be adjusted, as the option --name of adjust does
 #   georeference CRS LATITUDE LONGITUDE HEIGHT   position of the frame (x east, y north, z up) on the Earth
 #   camera NAME WIDTH HEIGHT MODEL [sigmas_after_correction]    size [px]; MODEL: brown or brown_of_measured
 #   parameter CAMERA WHICH VALUE HOW [GIVEN]     HOW: fixed, free, or the standard deviation of GIVEN (else of VALUE)
@@ -168,6 +169,8 @@ void write_instruments(const Instruments& instruments, const std::map<CameraId, 
 std::string adjustment_file_text(const AdjustmentFile& file) {
   const Block& block = file.block;
   std::string text(kHead);
+  if (!file.options.empty()) text += "\n";
+  for (const AdjustmentFileOption& one : file.options) text += "option " + one.name + " " + in_quotes(one.value) + "\n";
   if (const auto& georeference = block.georeference)
     text += "\ngeoreference " + in_quotes(on_one_line(georeference->crs)) + " " +
             exact(georeference->origin_latitude_deg) + " " + exact(georeference->origin_longitude_deg) + " " +
