@@ -4,7 +4,7 @@
 
 usage: bench/same_bits.py hash --collinea PROGRAM --work DIR --out F.json [--only NAME ...] [--threads N] [--repeat N] [--data DIR]
        bench/same_bits.py compare BEFORE.json AFTER.json [--meant PATTERN ...] [--all]
-`hash` runs all steps on the blocks demo (rendered anew), brighton_beach, fountain-P11 and sheffield_cross, exports of each
+`hash` runs all steps on the blocks demo (rendered anew), brighton_beach, fountain-P11, sheffield_cross and odm_copr, exports of each
 oriented block and a few commands on it. It writes hashes of what was made and what each step cost to F.json; blocks that
 another call wrote there stay. Projects stay in DIR.
   --only    blocks; default: all. Those whose data are missing are skipped, saying so
@@ -226,6 +226,7 @@ def blocks(data):
         "fountain-P11": (os.path.join(fountain, "images"), []),
         "sheffield_cross": (os.path.join(sheffield, "images"),
                             ["--control", os.path.join(sheffield, "gcp_list.txt"), "--check", "gcp2,gcp4"]),
+        "odm_copr": (os.path.join(data, "odm_copr", "images"), ["--control", os.path.join(data, "odm_copr", "gcp_list.txt")]),
     }
 
 
@@ -273,10 +274,10 @@ def run_block(args, name, photos, options):
     for form in sorted(EXPORTS | (CLOUD_EXPORTS if name == "brighton_beach" else set())):
         attempt("export", project, os.path.join(top, "export", form), "--format", form, *threads)
     wanted.append("export")
-    costs["adjust"] = as_step(attempt("adjust", project, *threads))
     wanted.append("project/adjustment")
     first, second = sorted(os.listdir(photos))[:2]
     commands = os.path.join(top, "commands")
+    costs["adjust --output"] = as_step(attempt("adjust", project, "--output", os.path.join(commands, "adjust"), *threads))
     costs["stereo"] = as_step(attempt("stereo", os.path.join(photos, first), os.path.join(photos, second), "--project", project,
                                       "-o", os.path.join(commands, "stereo"), *threads))
     wanted.append("commands")

@@ -39,6 +39,9 @@ struct AdjustScope : Instruments {
   bool use_positions = true;                   ///< Image::position
   bool use_control = true;                     ///< ControlRole::kControl; when false they are treated as check points
   bool use_geodetic = true;                    ///< Block::geodetic; not in a local adjustment
+  /// Image measurements of check points take part as those of tie points do, but without a loss; their coordinates are
+  /// compared. Otherwise a check point is where the adjusted images see it.
+  bool use_check_rays = false;
 };
 
 /// The scope with every camera in first_cameras, as it stands where it is not named: so the pseudo-observations stay

@@ -14,6 +14,7 @@
 #include "collinea/adjust/unknowns.h"
 #include "collinea/block/block.h"
 #include "collinea/block/differences.h"
+#include "collinea/math/robust.h"
 
 namespace collinea {
 
@@ -48,6 +49,7 @@ struct Adjusted {
   int rank_defect = 0;  ///< of the datum: 7 for a free block, 0 when positions, control or fixed images fix it
   DatumSources datum;   ///< what fixes position, attitude and scale
   int iterations = 0;
+  Loss tie_loss;  ///< of the rays of tie points, with the information that their residuals show
   double initial_cost = 0, final_cost = 0;  ///< sum of squared whitened residuals after the loss
   bool converged = false;
   double last_step_sigmas = 0;  ///< length of the last step of images and cameras, in their standard deviations

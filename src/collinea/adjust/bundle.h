@@ -19,7 +19,8 @@ namespace collinea {
 /// Observations: tie points; control points (their image measurements, never robust, and their coordinates by sigma_m,
 /// infinite = not given); measurements on the ground between control points, and planes, lines and heights that these
 /// are known to lie on (Block::geodetic, never robust; check points
-/// among them take part with their image measurements, not with their coordinates); GNSS positions, of an antenna
+/// among them take part with their image measurements, not with their coordinates, and with scope.use_check_rays all
+/// check points do); GNSS positions, of an antenna
 /// with a lever arm, a shift, a drift and a time offset if the scope says so; scope.attitudes with a boresight;
 /// scope.verticals; and weak ones for the parameters of calibration so that weak geometry does not run away: f by
 /// CameraPrior::sigma_f_px (0: f is fixed), principal point 3 % of the width, k1 0.2, k2 0.5, k3 0.5, p1 and p2 0.01,

@@ -177,6 +177,7 @@ void describe_outcome(const Block& block, const AdjustScope& scope, Problem& pro
   const double left = static_cast<double>(problem.redundancy()) / static_cast<double>(problem.observation_count);
   problem.tie_loss.information = tie.information(1 - left);
   problem.position_loss.information = positions.information(1 - left);
+  adjusted.tie_loss = problem.tie_loss;
 }
 
 }  // namespace collinea::bundle

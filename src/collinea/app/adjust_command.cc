@@ -26,7 +26,7 @@ std::string outcome_text(const AdjustmentReport& report, const std::filesystem::
                                  words_of(adjusted.datum, adjusted.rank_defect));
   if (const auto& tests = adjusted.reliability; !tests) {
     text += "; no standard deviations" +
-            (adjusted.undetermined ? ": " + sentence_of(*adjusted.undetermined, report.block) : "");
+            (adjusted.undetermined ? ": " + sentence_of(*adjusted.undetermined, report.block, report.spelling) : "");
   } else {
     text += fmt::format("; {} of {} observations suspected", tests->rejected, tests->tested);
     if (tests->unseen > 0)
@@ -37,25 +37,31 @@ std::string outcome_text(const AdjustmentReport& report, const std::filesystem::
     text += fmt::format("; {} of {} additional parameters to keep", test.kept, test.parameters.size());
     if (!dropped.empty() && test.kept > 0) text += " (--additional-fixed " + dropped + ")";
   }
-  for (const Finding& pair : adjusted.inseparable) text += "; " + sentence_of(pair, report.block);
+  for (const Finding& pair : adjusted.inseparable) text += "; " + sentence_of(pair, report.block, report.spelling);
   return text + "; " + (folder / "adjustment.html").string();
 }
 
-Result<std::string> convert(const Asked& asked) {
-  if (const auto given = first_given(asked.flags))
-    return tl::unexpected(Error{Errc::kBadInput,
-                                "the file is only converted, and nothing of how it will be adjusted is kept in it",
-                                {*given, "import"_option, "export"_option}});
-  if (asked.output) return fail(Errc::kBadInput, "adjust the file, or convert it", {"output"_option, "export"_option});
-  COLLINEA_TRY(convert_adjustment(*asked.import_file, *asked.export_file));
-  return *asked.export_file;
+// The measurements of a file, with the options that it states and those that were given, which go before.
+Result<FileAdjustment> file_as_asked(Asked& asked) {
+  COLLINEA_TRY(FileAdjustment given, read_adjustment(*asked.import_file));
+  Settings settings;
+  settings.adjust = given.options;
+  apply_flags(asked.flags, settings);
+  given.options = settings.adjust;
+  return given;
 }
 
-Result<std::string> adjust_of_file(const Asked& asked, const Run& run) {
-  if (asked.export_file) return convert(asked);
-  if (!asked.output) return fail(Errc::kBadInput, "a file needs a folder for what comes of it", {"output"_option});
-  COLLINEA_TRY(const AdjustmentReport report,
-               adjust_file(*asked.import_file, *asked.output, asked.flags.settings.adjust, run));
+Result<std::string> adjust_of_file(Asked& asked, const Run& run) {
+  if (asked.export_file && asked.output)
+    return fail(Errc::kBadInput, "adjust the file, or convert it", {"output"_option, "export"_option});
+  if (!asked.export_file && !asked.output)
+    return fail(Errc::kBadInput, "a file needs a folder for what comes of it", {"output"_option});
+  COLLINEA_TRY(FileAdjustment given, file_as_asked(asked));
+  if (asked.export_file) {
+    COLLINEA_TRY(convert_adjustment(given, *asked.export_file));
+    return *asked.export_file;
+  }
+  COLLINEA_TRY(const AdjustmentReport report, adjust_file(std::move(given), *asked.output, run));
   return outcome_text(report, *asked.output);
 }
 
@@ -95,7 +101,7 @@ void declare(Flags& flags, Asked& asked) {
   flags.add("output", asked.output, "",
             "folder for report and tables: of a file; or of a trial, which leaves the project as it is");
   flags.add("export", asked.export_file, "",
-            "adjust nothing; write to this file what would be adjusted, as text for --import");
+            "adjust nothing; write to this file what would be adjusted, and by which options, as text for --import");
   declare_seed(flags, asked.flags);
   flags.add_all(asked.console, "run");
   declare_options(flags, "adjust", asked.flags);

@@ -264,12 +264,57 @@ TEST(ExitCode, IsAsTheHelpSays) {
   EXPECT_EQ(exit_code(Errc::kCancelled), 130);
 }
 
-TEST(Commands, AConversionTakesNoOptionsOfTheAdjustment) {
-  const Outcome outcome =
-      collinea_with({"adjust", "--import", "a.txt", "--export", "b.txt", "--lever-arm", "estimate"});
-  EXPECT_EQ(outcome.code, exit_code(Errc::kBadInput));
-  EXPECT_NE(outcome.err.find("the file is only converted"), std::string::npos) << outcome.err;
-  EXPECT_NE(outcome.err.find("(options --lever-arm, --import, --export)"), std::string::npos) << outcome.err;
+// A file that is converted keeps how it is to be adjusted: what it states, and what is given, which goes before.
+TEST(Commands, AConversionKeepsTheOptionsOfTheAdjustment) {
+  const TestFolder folder;
+  const std::string file = (folder / "a.txt").string(), converted = (folder / "b.txt").string();
+  ASSERT_TRUE(write_file(
+      file,
+      "collinea-adjustment 1\noption loss none\noption loss-scale-sigmas 3\noption folds 7\ncamera a 10 10 brown\n"
+      "parameter a f 9 fixed\nimage i a\nmeasured_tie i 1 2 3 1\n"));
+  const auto convert = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"adjust", "--import", file, "--export", converted});
+    const Outcome outcome = collinea_with(more);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return read_file(converted).value_or("");
+  };
+  const std::string text = convert({"--lever-arm", "estimate", "--loss", "cauchy", "--refraction", "on", "--snoop"});
+  for (const char* line : {"option loss cauchy\n", "option folds 7\n", "option loss_scale_sigmas 3\n",
+                           "option lever_arm estimate\n", "option refraction on\n", "option snoop yes\n"})
+    EXPECT_NE(text.find(line), std::string::npos) << line;
+  EXPECT_EQ(convert({"--loss", "auto"}).find("option loss"), std::string::npos);
+  EXPECT_NE(collinea_with({"adjust", "--import", file, "--export", converted, "--output", "out"}).code, 0);
+}
+
+// Flags of which nothing is chosen as long as neither is given.
+TEST(Commands, AnAnswerMayStandBehindAFlag) {
+  const TestFolder folder;
+  const std::string file = (folder / "a.txt").string(), converted = (folder / "b.txt").string();
+  ASSERT_TRUE(write_file(file,
+                         "collinea-adjustment 1\ncamera a 10 10 brown\nparameter a f 9 fixed\nimage i a\n"
+                         "measured_tie i 1 2 3 1\n"));
+  const struct {
+    std::vector<std::string> flags;
+    const char* written;
+  } cases[] = {{{}, ""},
+               {{"--snoop"}, "option snoop yes\n"},
+               {{"--snoop", "yes"}, "option snoop yes\n"},
+               {{"--no-snoop"}, "option snoop no\n"},
+               {{"--snoop", "no"}, "option snoop no\n"},
+               {{"--snoop=no"}, "option snoop no\n"},
+               {{"--variance-components", "yes"}, "option variance_components yes\n"},
+               {{"--variance-components", "no"}, ""}};
+  for (const auto& [flags, written] : cases) {
+    std::vector<std::string> words{"adjust", "--import", file, "--export", converted};
+    words.insert(words.end(), flags.begin(), flags.end());
+    const Outcome outcome = collinea_with(words);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    const std::string text = read_file(converted).value_or("");
+    if (*written)
+      EXPECT_NE(text.find(written), std::string::npos) << written;
+    else
+      EXPECT_EQ(text.find("\noption"), std::string::npos) << text;
+  }
 }
 
 }  // namespace

@@ -29,6 +29,23 @@ std::string with_choices(std::string_view help, const std::vector<Choice>& choic
   return text;
 }
 
+// "--snoop yes" is "--snoop=yes": flags without a value may have one of these behind them.
+std::vector<std::string> with_answers(int argc, char** argv, const CLI::App& command) {
+  std::vector<std::string> words;
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    const bool answers = word == "yes" || word == "no" || word == "true" || word == "false";
+    const CLI::Option* asked = answers && words.size() > 1 && words.back().starts_with("--")
+                                   ? command.get_option_no_throw(words.back())
+                                   : nullptr;
+    if (asked != nullptr && asked->get_items_expected_max() == 0)
+      words.back() += "=" + std::string(word == "yes" ? "true" : word == "no" ? "false" : word);
+    else
+      words.emplace_back(word);
+  }
+  return words;
+}
+
 }  // namespace
 
 std::string value_name_of(PathKind kind) {
@@ -130,8 +147,10 @@ Given Flags::add(std::string_view name, std::uint64_t& value, std::string_view u
       });
   return given;
 }
-Given Flags::add(std::string_view name, std::optional<bool>& value, std::string_view unit, std::string_view help) {
-  return add_value(name, value, unit, help);
+Given Flags::add(std::string_view name, std::optional<bool>& value, std::string_view, std::string_view help) {
+  const std::string flag = new_flag(name);
+  return finished(app_.add_flag_function(
+      flag + ",!--no-" + flag.substr(2), [&value](std::int64_t times) { value = times > 0; }, std::string(help)));
 }
 Given Flags::add(std::string_view name, std::optional<int>& value, std::string_view unit, std::string_view help) {
   return add_value(name, value, unit, help);
@@ -167,7 +186,9 @@ int dispatch(int argc, char** argv, std::span<const Command> commands) {
     return exit_code(Errc::kBadInput);
   }
   try {
-    app.parse(argc, argv);
+    std::vector<std::string> words = with_answers(argc, argv, known ? *app.get_subcommand(std::string(first)) : app);
+    std::reverse(words.begin(), words.end());  // as CLI11 takes them
+    app.parse(std::move(words));
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error);
     return code == 0 ? 0 : exit_code(Errc::kBadInput);

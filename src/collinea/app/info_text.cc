@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "collinea/app/flags.h"
@@ -47,8 +47,15 @@ json steps(const ProjectInfo& info) {
 
 std::string axes_text(const std::optional<AxisValues>& rmse) {
   if (!rmse) return "none";
+  constexpr int kLeastDecimals = 3, kMostDecimals = 7;
+  double largest = 0;
+  for (const auto& axis : *rmse) largest = std::max(largest, axis.value_or(0));
+  // Two digits of micrometres on a table too.
+  const int digits = largest > 0 ? 1 - static_cast<int>(std::floor(std::log10(largest))) : 0;
+  const int decimals = std::clamp(digits, kLeastDecimals, kMostDecimals);
   std::string text;
-  for (const auto& axis : *rmse) text += (text.empty() ? "" : " / ") + (axis ? fmt::format("{:.3f}", *axis) : "-");
+  for (const auto& axis : *rmse)
+    text += (text.empty() ? "" : " / ") + (axis ? fmt::format("{:.{}f}", *axis, decimals) : "-");
   return text + " m (east / north / height)";
 }
 

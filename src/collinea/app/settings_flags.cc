@@ -37,11 +37,4 @@ void apply_flags(SettingsFlags& asked, Settings& settings) {
   });
 }
 
-std::optional<OptionName> first_given(const SettingsFlags& asked) {
-  for (const auto& [group, options] : asked.given)
-    for (const auto& [name, given] : options)
-      if (given()) return OptionName{std::string(name), group};
-  return std::nullopt;
-}
-
 }  // namespace collinea

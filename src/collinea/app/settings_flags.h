@@ -26,7 +26,4 @@ void declare_options(Flags& flags, const std::string& step, SettingsFlags& asked
 /// Puts the options that were given into the settings.
 void apply_flags(SettingsFlags& asked, Settings& settings);
 
-/// The first option that was given; nothing: none.
-[[nodiscard]] std::optional<OptionName> first_given(const SettingsFlags& asked);
-
 }  // namespace collinea

@@ -98,6 +98,7 @@ constexpr CodeRow kCodes[] = {
     {C::kFocalOfFlatScene, "focal_of_flat_scene", kWeak, F::kRelative},
     {C::kFocalAlongView, "focal_along_view", kWeak, F::kRelative},
     {C::kFocalOfFewImages, "focal_of_few_images", kWeak, F::kRelative},
+    {C::kFocalMoved, "focal_moved", kWeak, F::kFocal, F::kFocalGiven, F::kRelative, F::kRatio},
     {C::kMovedAlongView, "moved_along_view", kWeak},
     {C::kMovedWhileRead, "moved_while_read", kWeak, F::kShare},
     {C::kPairsContradict, "pairs_contradict", kWeak, F::kCount, F::kMatches},
@@ -114,9 +115,9 @@ constexpr CodeRow kCodes[] = {
     {C::kInstrument, "instrument", kNote, F::kValue, F::kValueSigma},
     {C::kInstrumentsMore, "instruments_more", kNote, F::kCount},
     {C::kSystematic, "systematic", kWeak, F::kValue, F::kValueSigma, F::kChance, F::kOffset, F::kOffsetPx,
-     F::kDifferenceAngle, F::kDifference},
+     F::kDifferenceAngle, F::kDifference, F::kRatio},
     {C::kSystematicTakenUp, "systematic_taken_up", kNote, F::kValue, F::kValueSigma, F::kChance, F::kOffset,
-     F::kOffsetPx, F::kDifferenceAngle, F::kDifference},
+     F::kOffsetPx, F::kDifferenceAngle, F::kDifference, F::kRatio},
     {C::kPositionsInOrder, "positions_in_order", kWeak, F::kCount, F::kCorrelation, F::kChance, F::kSigma},
     {C::kImageResidualsAlike, "image_residuals_alike", kNote, F::kCount, F::kCorrelation, F::kChance, F::kSigmaPx},
     {C::kResidualDistribution, "residual_distribution", kNote, F::kCount, F::kShare, F::kChance, F::kSigma,
@@ -187,6 +188,7 @@ constexpr FigureRow kFigures[] = {
     {F::kValue, "value", "1"},
     {F::kValueSigma, "value_sigma", "1"},
     {F::kChance, "chance", "1"},
+    {F::kFocalGiven, "focal_given_px", "px"},
 };
 
 struct KindRow {

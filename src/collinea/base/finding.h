@@ -100,6 +100,7 @@ enum class FindingCode : std::uint8_t {
   kFocalOfFlatScene,        ///< a focal length hardly determined, because the scene is flat and seen from one direction
   kFocalAlongView,          ///< because the camera moved along its view
   kFocalOfFewImages,        ///< because the images are few or alike
+  kFocalMoved,              ///< a focal length that the images make another than its source allows
   kMovedAlongView,          ///< rays meet at small angles
   kMovedWhileRead,          ///< rolling shutter
   kPairsContradict,         ///< pairs that agree between themselves but not with the block
@@ -184,9 +185,10 @@ enum class FigureName : std::uint8_t {
   kDifferenceAngle,  ///< [deg]
   kValue,            ///< of an estimated unknown, in the unit of its kind; several: of its axes
   kValueSigma,
-  kChance,  ///< of something as large by accident [1]
+  kChance,      ///< of something as large by accident [1]
+  kFocalGiven,  ///< before any adjustment [px]
 };
-inline constexpr std::size_t kFigureNames = static_cast<std::size_t>(FigureName::kChance) + 1;
+inline constexpr std::size_t kFigureNames = static_cast<std::size_t>(FigureName::kFocalGiven) + 1;
 
 /// A number of a finding.
 struct Figure {

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "collinea/base/options.h"
 
@@ -27,6 +28,27 @@ inline constexpr Word<LeverArmWord> kLeverArmWords[] = {{LeverArmWord::kNone, "n
 /// one, which is none.
 using LeverArmOption = WordOr<LeverArmWord, ThreeNumbers, std::string>;
 
+/// Describes options of instruments: those below, or what another struct of the same names changes of them. There
+/// `unchanged` is the word for a shift that is not chosen, and what holds then.
+template <class Owner, class Visit>
+void describe_instruments(Visit&& visit, const Choice& unchanged = {}) {
+  using O = Owner;
+  visit(Field{"lever_arm", &O::lever_arm, "m",
+              "antenna from the projection centre in the camera, right,down,forward: x,y,z; or estimate, or none; or "
+              "one for each camera: NAME:x,y,z; NAME:estimate"});
+  const auto shift = Field{"position_shift", &O::position_shift, "",
+                           "shift that the positions have in common, to be found with control"};
+  visit(unchanged.word.empty() ? shift : shift.or_auto(unchanged.meaning));
+  visit(Field{"position_drift", &O::position_drift, "", "and a drift in time"});
+  visit(Field{"time_offset", &O::time_offset, "",
+              "find by how much later than the images their positions were taken, for each camera"});
+  visit(Field{"use_attitudes", &O::use_attitudes, "",
+              "use the attitudes that the cameras wrote, with a boresight to be found for each camera"});
+  visit(Field{"attitude_sigma_deg", &O::attitude_sigma_deg, "deg",
+              "standard deviation of attitudes from level, where none is stated", 1e-6, 90});
+  visit(Field{"heading_sigma_deg", &O::heading_sigma_deg, "deg", "the same of their heading", 1e-6, 180});
+}
+
 /// What receivers and inertial systems measure, and what of their mounting is to be found.
 struct InstrumentOptions {
   std::optional<LeverArmOption> lever_arm;
@@ -39,20 +61,7 @@ struct InstrumentOptions {
 
   template <class Visit>
   static void describe(Visit&& visit) {
-    using O = InstrumentOptions;
-    visit(Field{"lever_arm", &O::lever_arm, "m",
-                "antenna from the projection centre in the camera, right,down,forward: x,y,z; or estimate, or none; or "
-                "one for each camera: NAME:x,y,z; NAME:estimate"});
-    visit(Field{"position_shift", &O::position_shift, "",
-                "shift that the positions have in common, to be found with control"});
-    visit(Field{"position_drift", &O::position_drift, "", "and a drift in time"});
-    visit(Field{"time_offset", &O::time_offset, "",
-                "find by how much later than the images their positions were taken, for each camera"});
-    visit(Field{"use_attitudes", &O::use_attitudes, "",
-                "use the attitudes that the cameras wrote, with a boresight to be found for each camera"});
-    visit(Field{"attitude_sigma_deg", &O::attitude_sigma_deg, "deg",
-                "standard deviation of attitudes from level, where none is stated", 1e-6, 90});
-    visit(Field{"heading_sigma_deg", &O::heading_sigma_deg, "deg", "the same of their heading", 1e-6, 180});
+    describe_instruments<InstrumentOptions>(visit);
   }
 };
 

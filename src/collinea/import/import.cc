@@ -216,8 +216,19 @@ bool states_focal(const ImageHeader& header) {
   return (header.focal_mm && header.pixel_pitch_mm) || header.focal_35mm_mm;
 }
 
+std::string small(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+// Many makers begin the name of the model with their own: "Canon", "Canon EOS 5D"; "NIKON CORPORATION", "NIKON D80".
+bool names_maker(const std::string& model, const std::string& maker) {
+  const std::string first = small(maker.substr(0, maker.find(' '))), start = small(model);
+  return !first.empty() && start.starts_with(first) && (start.size() == first.size() || start[first.size()] == ' ');
+}
+
 std::string camera_name(const ImageHeader& header) {
-  std::string name = header.maker;
+  std::string name = names_maker(header.model, header.maker) ? "" : header.maker;
   if (!header.model.empty()) name += (name.empty() ? "" : " ") + header.model;
   if (name.empty()) name = "unknown camera";
   if (header.focal_mm) name += fmt::format(" {:.3g} mm", *header.focal_mm);

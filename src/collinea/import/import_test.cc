@@ -95,6 +95,22 @@ TEST(ImportFocal, WithoutAnyItIsAssumedAndHardlyKnown) {
   EXPECT_EQ(camera.prior.source, Provenance::kAssumed);
 }
 
+// Many makers begin the name of the model with their own.
+TEST(ImportCamera, TheMakerIsNamedOnce) {
+  const auto name = [](const char* maker, const char* model) {
+    ImageHeader header = drone_header();
+    header.maker = maker;
+    header.model = model;
+    return camera_of(header).name;
+  };
+  EXPECT_EQ(name("Canon", "Canon DIGITAL IXUS 120 IS"), "Canon DIGITAL IXUS 120 IS 8.8 mm");
+  EXPECT_EQ(name("NIKON CORPORATION", "NIKON D80"), "NIKON D80 8.8 mm");
+  EXPECT_EQ(name("SONY", "DSC-RX100"), "SONY DSC-RX100 8.8 mm");
+  EXPECT_EQ(name("DJI", "DJIX"), "DJI DJIX 8.8 mm");  // another word
+  EXPECT_EQ(name("", "Model"), "Model 8.8 mm");
+  EXPECT_EQ(name("Canon", ""), "Canon 8.8 mm");
+}
+
 TEST(ImportFocal, AnImpossibleOneIsNotBelieved) {
   ImageHeader header = drone_header();
   header.focal_mm.reset();

@@ -20,6 +20,7 @@ namespace {
 constexpr std::string_view kHead = R"(collinea-adjustment 1
 # Measurements and all that is known beforehand, for collinea adjust --import. Metres, pixels, degrees.
 # A name with blanks stands in double quotes; - means not given; a # begins a remark.
+#   option NAME VALUE                            how it is to be adjusted, as the option --name of adjust does
 #   georeference CRS LATITUDE LONGITUDE HEIGHT   position of the frame (x east, y north, z up) on the Earth
 #   deflection NORTH EAST                        of the plumb line from the ellipsoid's normal ["]
 #   camera NAME WIDTH HEIGHT MODEL [sigmas_after_correction]    size [px]; MODEL: brown or brown_of_measured
@@ -224,6 +225,8 @@ std::string deflection_line(const Georeference& georeference) {
 std::string adjustment_file_text(const AdjustmentFile& file) {
   const Block& block = file.block;
   std::string text(kHead);
+  if (!file.options.empty()) text += "\n";
+  for (const AdjustmentFileOption& one : file.options) text += "option " + one.name + " " + in_quotes(one.value) + "\n";
   if (const auto& georeference = block.georeference)
     text += "\ngeoreference " + in_quotes(on_one_line(georeference->crs)) + " " +
             exact(georeference->origin_latitude_deg) + " " + exact(georeference->origin_longitude_deg) + " " +

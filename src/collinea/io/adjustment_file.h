@@ -7,12 +7,19 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "collinea/base/result.h"
 #include "collinea/block/block.h"
 #include "collinea/block/instruments.h"
 
 namespace collinea {
+
+/// How it is to be adjusted, where the file says so: an option of the program and its value, as it is typed.
+struct AdjustmentFileOption {
+  std::string name, value;
+  std::size_t line = 0;  ///< of the file; 0: of none
+};
 
 /// All that an adjustment starts from: measurements with their standard deviations, what is known of cameras, images
 /// and points, and what is fixed. Images without a pose and tie points without coordinates are allowed: they are in
@@ -25,6 +32,7 @@ struct AdjustmentFile {
   std::map<CameraId, std::array<double, Camera::kAllParams>> camera_sigmas;
   std::map<CameraId, Camera> given_cameras;  ///< what was observed of the cameras; block.cameras is where they start
   Instruments instruments;
+  std::vector<AdjustmentFileOption> options;  ///< each at most once
 };
 
 /// Writes the text format of docs/manual/adjustment-file.md. Numbers read back as the same doubles, but for angles

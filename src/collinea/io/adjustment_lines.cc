@@ -109,6 +109,17 @@ Result<> take_shape(const Line& line, Draft& draft) {
   return {};
 }
 
+Result<> take_option(const Line& line, Draft& draft) {
+  std::string name = line.words[1];
+  std::replace(name.begin(), name.end(), '-', '_');  // as it is typed
+  auto& options = draft.file.options;
+  const auto before = std::find_if(options.begin(), options.end(), [&](const auto& one) { return one.name == name; });
+  if (before != options.end())
+    return bad_line(line.number, "a second option " + name + ", before in line " + std::to_string(before->line));
+  options.push_back({name, line.words[2], line.number});
+  return {};
+}
+
 Result<> take_georeference(const Line& line, Draft& draft) {
   if (draft.file.block.georeference) return bad_line(line.number, "a second georeference; there can be one");
   Georeference georeference{.crs = line.words[1]};
@@ -430,6 +441,7 @@ struct Rule {
 
 Result<> take_adjustment_line(const AdjustmentLine& line, AdjustmentDraft& draft) {
   static constexpr Rule kRules[] = {
+      {"option", "NAME VALUE", 2, 2, take_option},
       {"georeference", "CRS LATITUDE LONGITUDE HEIGHT", 4, 4, take_georeference},
       {"deflection", "NORTH EAST", 2, 2, take_deflection},
       {"camera", "NAME WIDTH HEIGHT MODEL [sigmas_after_correction]", 4, 5, take_camera},

@@ -90,8 +90,60 @@ TEST_P(AdjustFileRoundTrip, WhatAProjectExportsGivesTheSameAdjustment) {
       }
     }
   // Once more through the file itself.
-  ASSERT_TRUE(convert_adjustment(file, folder / "copy.txt"));
+  ASSERT_TRUE(convert_adjustment(*read_adjustment(file), folder / "copy.txt"));
   EXPECT_TRUE(adjust_file(folder / "copy.txt", folder / "out", {}, {}));
+}
+
+// The options of an export are those of the adjustment, whatever is the usual one of a file.
+TEST(AdjustFile, WhatIsExportedIsAdjustedAsItWasAskedFor) {
+  const TestFolder folder;
+  auto project = open_small_survey(folder / "block");
+  ASSERT_TRUE(project && bring_up_to(*project, Step::kOrient));
+  const AdjustmentOptions all[] = {{},
+                                   {.loss = Loss::kCauchy, .loss_scale_sigmas = 1, .snoop = false},
+                                   {.refraction = RefractionChoice::kOn, .snoop = true},
+                                   {.variance_components = true, .tests = {.false_alarm = 0.01, .sigma0_known = true}}};
+  for (const AdjustmentOptions& asked : all) {
+    ASSERT_TRUE(export_adjustment(*project, asked, folder / "block.txt"));
+    const auto tried = try_adjustment(*project, asked, folder / "trial");
+    ASSERT_TRUE(tried) << tried.error().message;
+    const auto read = read_adjustment(folder / "block.txt");
+    ASSERT_TRUE(read) << read.error().message;
+    const auto done = adjust_file(*read, folder / "out", {});
+    ASSERT_TRUE(done) << done.error().message;
+    EXPECT_NEAR(done->adjusted.sigma0, tried->adjusted.sigma0, 1e-7);
+    EXPECT_EQ(done->adjusted.redundancy, tried->adjusted.redundancy);
+    EXPECT_EQ(done->snooped.has_value(), tried->snooped.has_value());
+    EXPECT_EQ(done->components.has_value(), asked.variance_components);
+    EXPECT_EQ(done->refracted.has_value(), asked.refraction == RefractionChoice::kOn);
+    EXPECT_EQ(done->adjusted.reliability->rejected, tried->adjusted.reliability->rejected);
+    EXPECT_EQ(done->adjusted.reliability->false_alarm, asked.tests.false_alarm);
+    ASSERT_EQ(done->adjusted.control.size(), tried->adjusted.control.size());
+    for (std::size_t i = 0; i < done->adjusted.control.size(); ++i)
+      EXPECT_LT((*done->adjusted.control[i].position_in_world - *tried->adjusted.control[i].position_in_world).norm(),
+                1e-6);
+  }
+}
+
+TEST(AdjustFile, OptionsThatAFileStatesAreChecked) {
+  const TestFolder folder;
+  const auto file = folder / "block.txt";
+  const struct {
+    const char *line, *said;
+  } cases[] = {{"option los huber", "line 2: adjust has no option \"los\"; did you mean loss?"},
+               {"option loss hubert", "line 2: option loss: "},
+               {"option folds 1", "line 2: option folds: "},
+               {"option snoop perhaps", "yes or no is expected"},
+               {"option loss none\noption loss huber", "line 3: a second option loss, before in line 2"}};
+  for (const auto& [line, said] : cases) {
+    ASSERT_TRUE(
+        write_file(file, "collinea-adjustment 1\n" + std::string(line) +
+                             "\ncamera a 10 10 brown\nparameter a f 9 fixed\nimage i a\nmeasured_tie i 1 2 3 1\n"));
+    const auto read = read_adjustment(file);
+    ASSERT_FALSE(read) << line;
+    EXPECT_EQ(read.error().code, Errc::kBadFormat) << line;
+    EXPECT_NE(read.error().message.find(said), std::string::npos) << read.error().message;
+  }
 }
 
 TEST(AdjustFile, SigmasOfAFileAreThoseThatAreGiven) {
@@ -285,7 +337,7 @@ TEST(PublishedAdjustment, FixedAndWeightedControl) {
   const auto exported = shared_data() / "dbat_text/prague2016/cam/pmexports/fixed-no-orient-pmexport.txt";
   if (!std::filesystem::exists(exported)) GTEST_SKIP() << "needs the shared data";
   const TestFolder folder;
-  ASSERT_TRUE(convert_adjustment(exported, folder / "fixed.txt"));
+  ASSERT_TRUE(convert_adjustment(*read_adjustment(exported), folder / "fixed.txt"));
   std::string text = *read_file(folder / "fixed.txt");
   ASSERT_TRUE(adjust_file(folder / "fixed.txt", folder / "fixed", {.loss = Loss::kNone}, {}));
   EXPECT_NEAR(report_in(folder / "fixed").at("sigma0").get<double>(), 1.78095, 5e-6);

@@ -15,6 +15,7 @@
 #include "collinea/io/dbat_script.h"
 #include "collinea/io/patb.h"
 #include "collinea/io/photomodeler.h"
+#include "collinea/jobs/internal/file_options.h"
 #include "collinea/orient/approximate.h"
 #include "collinea/orient/instrument_options.h"
 #include "collinea/orient/mirrored.h"
@@ -30,10 +31,11 @@ Result<AdjustmentReport> adjust_task(AdjustmentTask task, std::string title, con
   AdjustmentReport report;
   COLLINEA_TRY(static_cast<Adjustment&>(report), adjust_block(std::move(task), asked, run));
   report.title = std::move(title);
+  report.spelling = run.spelling;
   for (const std::string& note : notes_of(report)) run.say("note: " + note);
-  for (const Finding& finding : report.taken_up) run.say("note: " + sentence_of(finding, report.block));
+  for (const Finding& finding : report.taken_up) run.say("note: " + sentence_of(finding, report.block, run.spelling));
   for (const Finding& finding : systematic_findings(report.adjusted.systematics, report.block))
-    run.say("note: " + sentence_of(finding, report.block));
+    run.say("note: " + sentence_of(finding, report.block, run.spelling));
   COLLINEA_TRY(write_adjustment(report, folder, run));
   return report;
 }
@@ -69,7 +71,7 @@ AdjustmentFile file_of(const AdjustmentTask& task) {
   return file;
 }
 
-Result<AdjustmentFile> read_adjustment(const std::filesystem::path& path) {
+Result<AdjustmentFile> measurements_in(const std::filesystem::path& path) {
   COLLINEA_TRY(const std::string text, read_file(path));
   if (is_dbat_script(text)) return read_dbat_script(path);
   const bool is_own = is_adjustment_file(text), is_exported = !is_own && is_photomodeler(text);
@@ -90,7 +92,8 @@ std::string names(const std::vector<Id>& ids, const auto& name_of) {
 }
 
 Result<> complete(Block& block, RobustStart start, const Run& run) {
-  for (const Finding& finding : mirrored_measurements(block, run.seed)) run.say("note: " + sentence_of(finding, block));
+  for (const Finding& finding : mirrored_measurements(block, run.seed))
+    run.say("note: " + sentence_of(finding, block, run.spelling));
   COLLINEA_TRY(const Approximation found, approximate(block, run.seed, start));
   if (!found.resected.empty() || found.intersected > 0)
     run.say(fmt::format("approximate values: {} images resected, {} points intersected", found.resected.size(),
@@ -138,6 +141,15 @@ void set_calibration(const std::optional<Calibration>& asked, const AdjustmentFi
   }
 }
 
+Result<> check_for_a_file(const AdjustmentOptions& asked) {
+  if (Result<> valid = validate(asked); !valid) return tl::unexpected(std::move(valid).error().within("adjust"));
+  if (!asked.given_sigmas) return {};
+  return fail(Errc::kBadInput,
+              "a file states its sigmas itself, and these are taken: there is nothing that orient found control to "
+              "be worth",
+              {"given_sigmas"_option});
+}
+
 }  // namespace
 
 Result<AdjustmentReport> try_adjustment(const Project& project, const AdjustmentOptions& asked,
@@ -148,18 +160,22 @@ Result<AdjustmentReport> try_adjustment(const Project& project, const Adjustment
 
 Result<> export_adjustment(const Project& project, const AdjustmentOptions& asked, const std::filesystem::path& file) {
   COLLINEA_TRY(const ProjectAdjustment begun, adjustment_of(project, asked));
-  return write_adjustment_file(file, file_of(begun.task));
+  AdjustmentFile written = file_of(begun.task);
+  written.options = options_of(begun.task, asked);
+  return write_adjustment_file(file, written);
 }
 
-Result<AdjustmentReport> adjust_file(const std::filesystem::path& path, const std::filesystem::path& folder,
-                                     const AdjustmentOptions& asked, const Run& run) {
-  if (Result<> valid = validate(asked); !valid) return tl::unexpected(std::move(valid).error().within("adjust"));
-  if (asked.given_sigmas)
-    return fail(Errc::kBadInput,
-                "a file states its sigmas itself, and these are taken: there is nothing that orient found control to "
-                "be worth",
-                {"given_sigmas"_option});
-  COLLINEA_TRY(AdjustmentFile file, read_adjustment(path));
+Result<FileAdjustment> read_adjustment(const std::filesystem::path& path) {
+  FileAdjustment given{.path = path, .file = {}, .options = {}};
+  COLLINEA_TRY(given.file, measurements_in(path));
+  COLLINEA_TRY(given.options,
+               options_in(given.file.options).map_error([&](Error e) { return std::move(e).within(path.string()); }));
+  return given;
+}
+
+Result<AdjustmentReport> adjust_file(FileAdjustment given, const std::filesystem::path& folder, const Run& run) {
+  auto& [path, file, asked] = given;
+  COLLINEA_TRY(check_for_a_file(asked));
   COLLINEA_TRY(set_deflection(asked, file.block));
   if (Result<> completed = complete(file.block, asked.start, run); !completed)
     return tl::unexpected(std::move(completed).error().within(path.string()));
@@ -168,22 +184,33 @@ Result<AdjustmentReport> adjust_file(const std::filesystem::path& path, const st
                                 .first_cameras = file.given_cameras,
                                 .corrected_cameras = file.corrected_cameras,
                                 .use_positions = asked.use_positions,
-                                .use_control = asked.use_control},
+                                .use_control = asked.use_control,
+                                .use_check_rays = asked.check_rays.value_or(false)},
                       .options = examine_options(asked, Calibration::kNone),
-                      .reject_mismatches = asked.reject_mismatches};
-  if (asked.snoop.value_or(false)) task.snoop = SnoopedKinds::kAll;
+                      .reject_mismatches = asked.reject_mismatches,
+                      .snoop = snooped_kinds(asked, std::nullopt)};
   set_calibration(asked.calibration, file, task.scope);
   if (!asked.use_geodetic)
     for (GeodeticObservation& measured : file.block.geodetic) measured.role = ControlRole::kCheck;
   COLLINEA_TRY(add_instruments_of_file(file, asked.instruments, task));
   task.block = std::move(file.block);
+  COLLINEA_TRY(choose_datum(asked, task));
   COLLINEA_TRY(const std::vector<std::string> instead, set_additional(asked, task));
   if (const std::string note = fixed_instead_words(instead); !note.empty()) run.say("note: " + note);
   return adjust_task(std::move(task), path.stem().string(), asked, folder, run);
 }
 
-Result<> convert_adjustment(const std::filesystem::path& path, const std::filesystem::path& converted) {
-  COLLINEA_TRY(const AdjustmentFile file, read_adjustment(path));
+Result<AdjustmentReport> adjust_file(const std::filesystem::path& path, const std::filesystem::path& folder,
+                                     const AdjustmentOptions& asked, const Run& run) {
+  COLLINEA_TRY(check_for_a_file(asked));
+  COLLINEA_TRY(FileAdjustment given, read_adjustment(path));
+  given.options = asked;
+  return adjust_file(std::move(given), folder, run);
+}
+
+Result<> convert_adjustment(const FileAdjustment& given, const std::filesystem::path& converted) {
+  AdjustmentFile file = given.file;
+  file.options = changed_options(given.options);
   return write_adjustment_file(converted, file);
 }
 

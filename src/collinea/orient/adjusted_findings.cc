@@ -13,7 +13,7 @@ std::vector<Finding> adjusted_findings(const Block& block, const Examined& adjus
                                        const std::set<std::size_t>& excluded_geodetic) {
   std::vector<Finding> findings = geodetic_findings(block, adjusted, excluded_geodetic);
   for (const auto& more : {instrument_findings(adjusted), additional_findings(block, adjusted),
-                           weak_focals(block, first_cameras, adjusted)})
+                           weak_focals(block, first_cameras, adjusted), moved_focals(first_cameras, adjusted)})
     findings.insert(findings.end(), more.begin(), more.end());
   return findings;
 }

@@ -97,6 +97,16 @@ Result<> adjust_once(const AdjustmentTask& task, const ExamineOptions& options, 
   return {};
 }
 
+// A second adjustment, from where the first has come: an iteration or two, and no covariances but those of control.
+Result<OtherCheckRays> otherwise(const Adjustment& done, ExamineOptions options, const Run& run) {
+  AdjustScope scope = done.scope;
+  scope.use_check_rays = !scope.use_check_rays;
+  options.adjust.settle_points = true;
+  Adjuster adjuster;
+  COLLINEA_TRY(Adjusted adjusted, adjust_with_control_precision(adjuster, done.block, scope, options.adjust, run));
+  return OtherCheckRays{std::move(adjusted.control), adjusted.sigma0, adjusted.redundancy};
+}
+
 }  // namespace
 
 InstrumentOptions changed(InstrumentOptions instruments, const InstrumentChanges& changes) {
@@ -156,6 +166,25 @@ Result<> set_deflection(const AdjustmentOptions& asked, Block& block) {
   return {};
 }
 
+Result<> choose_datum(const AdjustmentOptions& asked, AdjustmentTask& task) {
+  COLLINEA_TRY(task.options.datum, datum_points_named(task.block, asked.datum_points));
+  std::set<ControlId> measured;
+  for (const GeodeticObservation& one : task.block.geodetic) measured.insert({one.from, one.to});
+  std::set<ControlId> seen;
+  for (const ControlObservation& one : task.block.control_observations) seen.insert(one.point);
+  for (const ControlId id : task.options.datum.control) {
+    const ControlPoint& point = task.block.control.at(id);
+    if (!seen.contains(id))
+      return fail(Errc::kBadInput, "datum points: " + point.name + " is measured in no image", {"datum_points"_option});
+    const bool is_control = task.scope.use_control && point.role == ControlRole::kControl;
+    if (!is_control && !task.scope.use_check_rays && !measured.contains(id))
+      return fail(Errc::kBadInput,
+                  "datum points: " + point.name + " is a check point, whose measurements in images take no part",
+                  {"datum_points"_option, {.name = "check_rays", .value = "yes"}});
+  }
+  return {};
+}
+
 Result<Adjustment> adjust_block(AdjustmentTask task, const AdjustmentOptions& asked, const Run& run) {
   constexpr int kMostTakenUp = 4;
   Adjustment done;
@@ -165,6 +194,8 @@ Result<Adjustment> adjust_block(AdjustmentTask task, const AdjustmentOptions& as
   done.scope = with_first_cameras(task.scope, task.block.cameras);
   done.instruments = task.instruments;
   done.block = std::move(task.block);
+  done.datum_points = task.options.datum;
+  if (asked.tie_residuals) done.measured_ties = done.block.observations;
   if (task.reject_mismatches) {
     COLLINEA_TRY(WithoutMismatches clean, reject_mismatches(std::move(done.block), done.scope, task.options.adjust,
                                                             task.options.test.false_alarm, run));
@@ -198,6 +229,9 @@ Result<Adjustment> adjust_block(AdjustmentTask task, const AdjustmentOptions& as
   done.residual_level = asked.residual_level;
   done.residual_tests = residual_tests(done.block, done.adjusted, options.systematics.strips, asked.residual_level);
   apply(done.adjusted, done.block);
+  if (asked.check_rays) {
+    COLLINEA_TRY(done.other_check_rays, otherwise(done, options, run));
+  }
   return done;
 }
 

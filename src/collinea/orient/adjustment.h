@@ -24,6 +24,13 @@ struct AdjustmentTask {
   std::optional<SnoopedKinds> snoop;  ///< what is examined for gross errors; nothing: they are only named
 };
 
+/// Check points as they would differ, did their rays take part where they do not, or not where they do.
+struct OtherCheckRays {
+  std::vector<ControlDifference> control;  ///< control and check points, ascending
+  double sigma0 = 0;
+  long redundancy = 0;
+};
+
 /// An adjusted block and all that is known of it.
 struct Adjustment {
   Block block;                           ///< as adjusted, with the sigmas that were used
@@ -34,11 +41,14 @@ struct Adjustment {
   std::optional<Refracted> refracted;    ///< when measurements were corrected for refraction
   std::optional<Mismatches> mismatches;  ///< of tie points, when they were rejected
   std::optional<Snooped> snooped;        ///< when gross errors were rejected; its `adjusted` may have been moved
-  std::optional<VarianceComponents> components;  ///< when they were estimated and applied
-  std::vector<AdditionalTest> additional;        ///< of cameras with additional parameters
-  double additional_level = 0;                   ///< of their tests
-  std::vector<ResidualTest> residual_tests;      ///< of their order and distribution
-  double residual_level = 0;                     ///< of them all together
+  std::optional<VarianceComponents> components;    ///< when they were estimated and applied
+  std::vector<AdditionalTest> additional;          ///< of cameras with additional parameters
+  double additional_level = 0;                     ///< of their tests
+  std::vector<ResidualTest> residual_tests;        ///< of their order and distribution
+  double residual_level = 0;                       ///< of them all together
+  DatumPoints datum_points;                        ///< as asked for; none: all tie points
+  std::optional<OtherCheckRays> other_check_rays;  ///< when it was asked whether they take part
+  std::vector<Observation> measured_ties;  ///< of tie points before any was rejected, when their residuals are wanted
 };
 
 /// Gives the cameras of the task the additional set that was asked for, free or fixed. A camera with another set begins
@@ -48,6 +58,10 @@ struct Adjustment {
 
 /// Gives the block the deflection of the vertical that was asked for. Errors: the block has no location on Earth.
 [[nodiscard]] Result<> set_deflection(const AdjustmentOptions& asked, Block& block);
+
+/// Takes the points that were asked for as those of the datum. Errors: names that there are not, with the nearest;
+/// check points whose rays take no part.
+[[nodiscard]] Result<> choose_datum(const AdjustmentOptions& asked, AdjustmentTask& task);
 
 /// Adjusts as asked for: refraction, data snooping, variance components, tests of additional parameters. Errors: those
 /// of adjust(); refraction of a block without location on Earth.

@@ -30,22 +30,7 @@ struct InstrumentChanges {
 
   template <class Visit>
   static void describe(Visit&& visit) {
-    using O = InstrumentChanges;
-    visit(Field{
-        "lever_arm", &O::lever_arm, "m",
-        "antenna from the projection centre in the camera, right,down,forward: x,y,z; or estimate, or none; or one for "
-        "each camera: NAME:x,y,z; NAME:estimate"});
-    visit(Field{"position_shift", &O::position_shift, "",
-                "shift that the positions have in common, to be found with control"}
-              .or_auto("as orient, or the file, has it"));
-    visit(Field{"position_drift", &O::position_drift, "", "and a drift in time"});
-    visit(Field{"time_offset", &O::time_offset, "",
-                "find by how much later than the images their positions were taken, for each camera"});
-    visit(Field{"use_attitudes", &O::use_attitudes, "",
-                "use the attitudes that the cameras wrote, with a boresight to be found for each camera"});
-    visit(Field{"attitude_sigma_deg", &O::attitude_sigma_deg, "deg",
-                "standard deviation of attitudes from level, where none is stated", 1e-6, 90});
-    visit(Field{"heading_sigma_deg", &O::heading_sigma_deg, "deg", "the same of their heading", 1e-6, 180});
+    describe_instruments<InstrumentChanges>(visit, Choice{"auto", "as orient, or the file, has it"});
   }
 };
 
@@ -61,17 +46,21 @@ struct AdjustmentOptions {
   double additional_level = 0.01;
   RefractionChoice refraction = RefractionChoice::kAuto;
   std::optional<double> deflection_north_arcsec, deflection_east_arcsec;
-  std::optional<Loss::Kind> loss;
+  std::optional<Loss::Kind> loss, position_loss;
   double loss_scale_sigmas = 2;
   bool use_positions = true;
   bool use_control = true;
   bool use_geodetic = true;
+  std::optional<bool> check_rays;
+  std::string datum_points;
   InstrumentChanges instruments;
   bool given_sigmas = false;
   bool reject_mismatches = false;
   std::optional<bool> snoop;
+  bool snoop_given = false;
   int snoop_most = 1000;
   bool variance_components = false;
+  bool tie_residuals = false;
   Systematics systematics = Systematics::kAuto;
   double systematics_level = 0.001;
   double residual_level = 0.001;
@@ -103,6 +92,8 @@ struct AdjustmentOptions {
         Field{"deflection_east_arcsec", &O::deflection_east_arcsec, "arcsec", "the same to the east, eta", -300, 300});
     visit(Field{"loss", &O::loss, "", "robust loss of tie points and positions"}.or_auto(
         "huber; of the tie points of a project none: their wrong matches are out"));
+    visit(Field{"position_loss", &O::position_loss, "", "another one of positions"}.or_auto(
+        "that of tie points where it is given, or huber"));
     visit(
         Field{"loss_scale_sigmas", &O::loss_scale_sigmas, "sigma", "residual from which the loss sets in", 0.01, 1e6});
     visit(Field{"use_positions", &O::use_positions, "", "use the positions of images where orient did"});
@@ -110,6 +101,12 @@ struct AdjustmentOptions {
                 "use control points where orient did; otherwise they are all check points"});
     visit(Field{"use_geodetic", &O::use_geodetic, "",
                 "use what was measured between control points where orient did; otherwise it is only compared"});
+    visit(Field{"check_rays", &O::check_rays, "",
+                "image measurements of check points take part, as those of tie points (yes), or not (no, and if not "
+                "given). Given either way the report compares check points with and without"});
+    visit(Field{"datum_points", &O::datum_points, "",
+                "points that carry the datum of a free network, separated by commas: names of control and check "
+                "points, numbers of tie points. Not given: all tie points"});
     visit(
         Field{"given_sigmas", &O::given_sigmas, "",
               "take the sigmas of control and the coordinates of positions as they were given, also where orient found "
@@ -122,9 +119,13 @@ struct AdjustmentOptions {
         "reject the worst suspect and adjust again, until none is left; measurements of control that orient "
         "rejected are tried again. Of a project what is given (control, positions, ...) is examined so unless this is "
         "no"});
+    visit(Field{"snoop_given", &O::snoop_given, "",
+                "reject only what is given, no tie points, as of a project without snoop"});
     visit(Field{"snoop_most", &O::snoop_most, "1", "upper bound of what snooping rejects", 1, 1000000});
     visit(Field{"variance_components", &O::variance_components, "",
                 "estimate the standard deviations of each group of observations, and use them"});
+    visit(Field{"tie_residuals", &O::tie_residuals, "",
+                "write tie_residuals.csv: residual, redundancy number and test of every measurement of a tie point"});
     visit(Field{"systematics", &O::systematics, "",
                 "errors that many observations have in common: instruments, vertical datum, cameras, atmosphere"});
     visit(Field{"systematics_level", &O::systematics_level, "1", "chance that any of them is named in a block without",

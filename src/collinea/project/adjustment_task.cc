@@ -63,7 +63,8 @@ void take_control(const Project& project, const AdjustmentOptions& asked, const 
 ExamineOptions examine_options(const AdjustmentOptions& asked, Calibration calibration) {
   ExamineOptions options;
   options.adjust.calibration = calibration;
-  options.adjust.loss = options.adjust.position_loss = asked.loss.value_or(Loss::kHuber);
+  options.adjust.loss = asked.loss.value_or(Loss::kHuber);
+  options.adjust.position_loss = asked.position_loss.value_or(options.adjust.loss);
   options.adjust.loss_scale_sigmas = asked.loss_scale_sigmas;
   options.reliability = options.point_covariances = true;
   options.test = asked.tests;
@@ -71,6 +72,12 @@ ExamineOptions examine_options(const AdjustmentOptions& asked, Calibration calib
   options.adjust.relative_cost_change = 1e-12;
   options.adjust.step_sigmas = 1e-3;
   return options;
+}
+
+std::optional<SnoopedKinds> snooped_kinds(const AdjustmentOptions& asked, std::optional<SnoopedKinds> by_default) {
+  if (!asked.snoop.value_or(true)) return std::nullopt;
+  if (asked.snoop_given) return SnoopedKinds::kGiven;
+  return asked.snoop ? SnoopedKinds::kAll : by_default;
 }
 
 Result<ProjectAdjustment> adjustment_of(const Project& project, const AdjustmentOptions& asked) {
@@ -85,7 +92,8 @@ Result<ProjectAdjustment> adjustment_of(const Project& project, const Adjustment
   task.instruments = changed(orientation.instruments, asked.instruments);
   task.scope = {.first_cameras = setup.cameras,
                 .use_positions = asked.use_positions && orientation.used_positions,
-                .use_control = asked.use_control && orientation.used_control};
+                .use_control = asked.use_control && orientation.used_control,
+                .use_check_rays = asked.check_rays.value_or(false)};
   if (orientation.holds_given_poses)
     for (const auto& [image, pose] : oriented_images(task.block)) task.scope.fixed_images.insert(image);
   take_control(project, asked, setup, result, task.block);
@@ -93,8 +101,9 @@ Result<ProjectAdjustment> adjustment_of(const Project& project, const Adjustment
   COLLINEA_TRY(add_instruments(task.block, task.instruments, task.scope));
   task.options = examine_options(asked, asked.calibration.value_or(orientation.calibration));
   if (!asked.loss) task.options.adjust.loss = Loss::kNone;
+  COLLINEA_TRY(choose_datum(asked, task));
   task.reject_mismatches = asked.reject_mismatches;
-  if (asked.snoop.value_or(true)) task.snoop = asked.snoop ? SnoopedKinds::kAll : SnoopedKinds::kGiven;
+  task.snoop = snooped_kinds(asked, SnoopedKinds::kGiven);
   COLLINEA_TRY(const std::vector<std::string> instead, set_additional(asked, task));
   if (const std::string note = fixed_instead_words(instead); !note.empty()) project.run.say("note: " + note);
   return result;

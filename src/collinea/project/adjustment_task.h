@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include "collinea/orient/adjustment.h"
 #include "collinea/project/project.h"
 #include "collinea/store/step_records.h"
@@ -21,5 +23,9 @@ struct ProjectAdjustment {
 /// Options of the adjustment that hold for projects and files alike. `calibration`: of cameras that do not say it
 /// themselves.
 [[nodiscard]] ExamineOptions examine_options(const AdjustmentOptions& asked, Calibration calibration);
+
+/// What is examined for gross errors: what was asked for, or else `by_default`.
+[[nodiscard]] std::optional<SnoopedKinds> snooped_kinds(const AdjustmentOptions& asked,
+                                                        std::optional<SnoopedKinds> by_default);
 
 }  // namespace collinea

@@ -5,7 +5,9 @@
 #include <charconv>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "collinea/base/nearest_names.h"
 #include "collinea/io/text.h"
 
 namespace collinea {
@@ -24,6 +26,17 @@ std::optional<PointId> tie_numbered(const Block& block, std::string_view text) {
   return whole && block.points.contains(point) ? std::optional(point) : std::nullopt;
 }
 
+Error no_such_point(const Block& block, std::string_view name) {
+  std::vector<std::string> known;
+  for (const auto& [id, control] : block.control) known.push_back(control.name);
+  const bool is_number = std::all_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; });
+  return with_nearest(Error{Errc::kBadInput,
+                            "datum points: there is no control point" +
+                                std::string(is_number ? " and no tie point" : "") + " \"" + std::string(name) + "\"",
+                            {"datum_points"_option}},
+                      name, known);
+}
+
 }  // namespace
 
 Result<DatumPoints> datum_points_named(const Block& block, std::string_view names) {
@@ -35,8 +48,7 @@ Result<DatumPoints> datum_points_named(const Block& block, std::string_view name
     else if (const auto tie = tie_numbered(block, name))
       chosen.ties.insert(*tie);
     else
-      return fail(Errc::kBadInput,
-                  "datum points: there is no control point and no tie point \"" + std::string(name) + "\"");
+      return tl::unexpected(no_such_point(block, name));
   }
   return chosen;
 }

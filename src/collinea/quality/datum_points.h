@@ -23,7 +23,7 @@ struct DatumPoints {
 };
 
 /// Those of a list "A1, A2, 1017": names of control and check points, and numbers of tie points where no control point
-/// is called so. Errors: kBadInput (a name that is none of both).
+/// is called so. Errors: kBadInput (a name that is none of both, with those nearest to it).
 [[nodiscard]] Result<DatumPoints> datum_points_named(const Block& block, std::string_view names);
 
 }  // namespace collinea

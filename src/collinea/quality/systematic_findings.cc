@@ -96,6 +96,7 @@ Finding finding_of_test(const std::vector<SystematicTest>& tests, const Systemat
   else
     finding.figures.push_back({FigureName::kOffset, test.largest_effect});
   finding.figures.push_back({FigureName::kDifference, test.ground_change_m});
+  finding.figures.push_back({FigureName::kRatio, test.ground_change_sigmas});
   finding.remedies = remedies_of(test, block);
   if (test.ground_change_sigmas < 1) finding.severity = Severity::kNote;
   return finding;

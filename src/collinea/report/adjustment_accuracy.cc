@@ -19,33 +19,37 @@ constexpr int kDecimals = 4;
 // Root mean squares over check points [m]: in plan of both axes together, or in height.
 struct Share {
   int points = 0;
-  double fit = 0;     // of the differences
-  double survey = 0;  // of the standard deviations of the survey
+  double fit = 0;                   // of the differences
+  double survey = 0;                // of the standard deviations of the survey
+  double predicted = std::nan("");  // of what the differences are expected to be
   [[nodiscard]] double accuracy() const { return std::hypot(fit, survey); }
 };
 
-Share part_of(const AdjustmentReport& report, int first_axis, int last_axis) {
+Share part_of(const AdjustmentReport& report, const std::vector<ControlDifference>& control, int first_axis,
+              int last_axis) {
   Share part;
-  double fit = 0, survey = 0;
-  const auto& control = report.adjusted.control;
+  double fit = 0, survey = 0, predicted = 0;
   const bool any_used = std::any_of(control.begin(), control.end(), [](const auto& one) { return one.used; });
   for (const ControlDifference& one : control) {
     // Control that was found wrong is no check point; where none is used at all, every point is one.
     if (one.used || (any_used && report.block.control.at(one.point).role != ControlRole::kCheck)) continue;
     const Eigen::Vector3d& sigma_m = report.block.control.at(one.point).sigma_m;
-    double square = 0, variance = 0;
+    double square = 0, variance = 0, expected = 0;
     for (int axis = first_axis; axis <= last_axis; ++axis) {
       square += one.difference_m[axis] * one.difference_m[axis];
       variance += sigma_m[axis] * sigma_m[axis];
+      expected += one.difference_sigma_m[axis] * one.difference_sigma_m[axis];
     }
     if (!std::isfinite(square) || !std::isfinite(variance)) continue;
     ++part.points;
     fit += square;
     survey += variance;
+    predicted += expected;
   }
   if (part.points == 0) return part;
   part.fit = std::sqrt(fit / part.points);
   part.survey = std::sqrt(survey / part.points);
+  part.predicted = std::sqrt(predicted / part.points);
   return part;
 }
 
@@ -62,10 +66,63 @@ std::string row(const char* name, const Share& part, int decimals) {
          cell(part.survey, decimals) + cell(part.accuracy(), decimals) + "</tr>\n";
 }
 
+// Check points when their rays take part, and when not.
+struct BothWays {
+  bool take_part = false;  // as adjusted
+  const std::vector<ControlDifference>*with = nullptr, *without = nullptr;
+};
+
+std::optional<BothWays> both_ways(const AdjustmentReport& report) {
+  if (!report.other_check_rays) return std::nullopt;
+  const auto *own = &report.adjusted.control, *other = &report.other_check_rays->control;
+  const bool take_part = report.scope.use_check_rays;
+  return BothWays{take_part, take_part ? own : other, take_part ? other : own};
+}
+
+std::string check_ray_rows(const AdjustmentReport& report) {
+  const auto ways = both_ways(report);
+  if (!ways) return "";
+  std::string html = fmt::format(
+      "<h3>Rays of check points</h3>\n<p>Here they {}. The other row is of a second adjustment. Predicted: what the "
+      "differences are expected to be, the survey included.</p>\n<table><thead><tr><th class=\"l\">rays of check "
+      "points</th><th>check points</th><th>horizontal [m]</th><th>predicted [m]</th><th>vertical [m]</th><th>predicted "
+      "[m]</th></tr></thead><tbody>\n",
+      ways->take_part ? "take part, as those of tie points" : "take no part");
+  for (const bool with : {false, true}) {
+    const auto& control = with ? *ways->with : *ways->without;
+    const Share plan = part_of(report, control, 0, 1), height = part_of(report, control, 2, 2);
+    const double shown[] = {plan.fit, plan.predicted, height.fit, height.predicted};
+    const int decimals = decimals_for(shown, kDecimals);
+    html += "<tr>" + text_cell(with ? "take part" : "take no part") +
+            fmt::format("<td>{}</td>", std::max(plan.points, height.points)) + cell(plan.fit, decimals) +
+            cell(plan.predicted, decimals) + cell(height.fit, decimals) + cell(height.predicted, decimals) + "</tr>\n";
+  }
+  return html + "</tbody></table>\n";
+}
+
+json json_of_way(const AdjustmentReport& report, const std::vector<ControlDifference>& control) {
+  json points = json::array();
+  for (const ControlDifference& one : control)
+    if (!one.used)
+      points.push_back({{"name", report.block.control.at(one.point).name},
+                        {"difference_m", vector(one.difference_m)},
+                        {"sigma_m", vector(one.difference_sigma_m)}});
+  json j;
+  for (const bool height : {false, true}) {
+    const Share part = height ? part_of(report, control, 2, 2) : part_of(report, control, 0, 1);
+    if (part.points > 0)
+      j[height ? "vertical" : "horizontal"] = {
+          {"check_points", part.points}, {"fit_rmse_m", number(part.fit)}, {"predicted_m", number(part.predicted)}};
+  }
+  j["points"] = points;
+  return j;
+}
+
 }  // namespace
 
 std::string accuracy_section(const AdjustmentReport& report) {
-  const Share plan = part_of(report, 0, 1), height = part_of(report, 2, 2);
+  const Share plan = part_of(report, report.adjusted.control, 0, 1),
+              height = part_of(report, report.adjusted.control, 2, 2);
   if (plan.points + height.points == 0) return "";
   const double shown[] = {plan.fit, plan.survey, height.fit, height.survey};
   const int decimals = decimals_for(shown, kDecimals);
@@ -84,15 +141,20 @@ std::string accuracy_section(const AdjustmentReport& report) {
         "<p>The standard asks for {} check points; with fewer these figures are an indication, no test of a "
         "class.</p>\n",
         kEnoughPoints);
-  return html + "</section>\n";
+  return html + check_ray_rows(report) + "</section>\n";
 }
 
 json accuracy_json(const AdjustmentReport& report) {
-  const Share plan = part_of(report, 0, 1), height = part_of(report, 2, 2);
+  const Share plan = part_of(report, report.adjusted.control, 0, 1),
+              height = part_of(report, report.adjusted.control, 2, 2);
   json j = {{"standard", "ASPRS 2023"}, {"enough_check_points", std::min(plan.points, height.points) >= kEnoughPoints}};
   if (plan.points > 0) j["horizontal"] = json_of(plan);
   if (height.points > 0) j["vertical"] = json_of(height);
   if (plan.points > 0 && height.points > 0) j["rmse_3d_m"] = number(std::hypot(plan.accuracy(), height.accuracy()));
+  if (const auto ways = both_ways(report))
+    j["check_rays"] = {{"take_part", ways->take_part},
+                       {"with", json_of_way(report, *ways->with)},
+                       {"without", json_of_way(report, *ways->without)}};
   return j;
 }
 

@@ -247,6 +247,8 @@ std::string adjustment_json(const AdjustmentReport& report) {
       {"image_list", images(report)},
       {"control_points", control(report)},
       {"accuracy", accuracy_json(report)}};
+  if (!report.datum_points.empty())
+    j["datum_points"] = {{"names", datum_point_names(report)}, {"have_effect", adjusted.rank_defect > 0}};
   if (!report.adjusted.geodetic.empty()) j["geodetic"] = geodetic_json(report);
   if (!adjusted.auxiliaries.empty()) j["auxiliary_unknowns"] = unknowns(report);
   if (!report.additional.empty()) j["additional"] = additional_json(report);

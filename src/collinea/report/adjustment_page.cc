@@ -50,6 +50,7 @@ std::string summary(const AdjustmentReport& report) {
   row("unknowns", std::to_string(adjusted.unknown_count));
   row("redundancy", std::to_string(adjusted.redundancy));
   row("datum", words_of(adjusted.datum, adjusted.rank_defect));
+  if (const std::string points = datum_points_words(report); !points.empty()) row("datum points", points);
   row("converged",
       fmt::format("{}, {} iterations; weighted squares from {:.6g} to {:.6g}", adjusted.converged ? "yes" : "no",
                   adjusted.iterations, adjusted.initial_cost, adjusted.final_cost));
@@ -61,12 +62,13 @@ std::string summary(const AdjustmentReport& report) {
                     adjusted.conditioning.inflation, words_of(adjusted.conditioning, report.block)));
   html += "</tbody></table>\n";
   if (adjusted.undetermined)
-    html +=
-        "<p>There are no standard deviations. " + escaped(sentence_of(*adjusted.undetermined, report.block)) + "</p>\n";
+    html += "<p>There are no standard deviations. " +
+            escaped(sentence_of(*adjusted.undetermined, report.block, report.spelling)) + "</p>\n";
   if (!adjusted.weaknesses.empty()) {
     html += "<h2>What is weak</h2>\n<ul>";
     for (const Finding& weak : adjusted.weaknesses)
-      html += "<li>" + escaped(what_of(weak, report.block)) + "<br>Remedy: " + escaped(remedy_of(weak)) + "</li>\n";
+      html += "<li>" + escaped(what_of(weak, report.block)) +
+              "<br>Remedy: " + escaped(remedy_of(weak, report.spelling)) + "</li>\n";
     html += "</ul>\n";
   }
   return html + "</section>\n";
@@ -118,7 +120,7 @@ std::string unknowns_table(const AdjustmentReport& report) {
   if (unknowns.empty()) return "";
   std::string html = "<section><h2>Lever arms, shifts, time offsets, boresight, orientations</h2>\n";
   for (const Finding& pair : report.adjusted.inseparable)
-    html += "<p>" + escaped(sentence_of(pair, report.block)) + "</p>\n";
+    html += "<p>" + escaped(sentence_of(pair, report.block, report.spelling)) + "</p>\n";
   html += head({"unknown", "unit", "value", "&sigma;"});
   for (const EstimatedUnknown& one : unknowns) {
     const double sigma = in_unit(one.kind, one.sigma) * sigma_scale(report.adjusted);

@@ -45,11 +45,33 @@ std::vector<std::string> notes_of(const AdjustmentReport& report) {
   if (const auto& found = report.mismatches; found && found->size() > 0)
     notes.push_back(fmt::format("{} of {} measurements of tie points are mismatches and rejected, {} others with them",
                                 found->wrong.size(), found->tested, found->with_them.size()));
+  if (!report.datum_points.empty() && report.adjusted.rank_defect == 0)
+    notes.push_back("datum points " + datum_points_words(report));
   if (report.snooped) add_rejected(*report.snooped, notes);
   if (report.components && !report.components->converged)
     notes.emplace_back("the variance components have not settled; the last ones are used");
-  for (const Finding& weak : report.adjusted.weaknesses) notes.push_back(sentence_of(weak, report.block));
+  for (const Finding& weak : report.adjusted.weaknesses)
+    notes.push_back(sentence_of(weak, report.block, report.spelling));
   return notes;
+}
+
+std::vector<std::string> datum_point_names(const AdjustmentReport& report) {
+  std::vector<std::string> names;
+  for (const ControlId id : report.datum_points.control) names.push_back(report.block.control.at(id).name);
+  for (const PointId id : report.datum_points.ties) names.push_back("tie point " + std::to_string(id.value));
+  return names;
+}
+
+std::string datum_points_words(const AdjustmentReport& report) {
+  if (report.datum_points.empty()) return "";
+  constexpr std::size_t kShown = 20;
+  const std::vector<std::string> names = datum_point_names(report);
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kShown, names.size()); ++i) text += (i > 0 ? ", " : "") + names[i];
+  if (names.size() > kShown) text += fmt::format(" and {} more", names.size() - kShown);
+  if (report.adjusted.rank_defect == 0)
+    return text + ": without effect, because what is given fixes position, attitude and scale already";
+  return text + ": standard deviations refer to these, as if they were right in the mean";
 }
 
 double shown_factor(const GroupSums& sums) {

@@ -13,6 +13,7 @@ namespace collinea {
 /// All that the report of an adjustment tells.
 struct AdjustmentReport : Adjustment {
   std::string title;
+  SpellOption spelling = {};  ///< of options on the page and in notes; nothing: "option name = value"
 };
 
 /// What the user should know of it at once, sentence by sentence: what was corrected and rejected, what is weak.
@@ -20,6 +21,10 @@ struct AdjustmentReport : Adjustment {
 
 // Its parts.
 
+/// The points that were chosen for the datum, control points first: "gcp1", "tie point 17".
+[[nodiscard]] std::vector<std::string> datum_point_names(const AdjustmentReport& report);
+/// The same as a sentence, and that they have no effect where the datum is fixed; empty: none were chosen.
+[[nodiscard]] std::string datum_points_words(const AdjustmentReport& report);
 /// By what the sigmas of a group should be multiplied; NaN where too little redundancy tells nothing.
 [[nodiscard]] double shown_factor(const GroupSums& sums);
 /// Names of the additional parameters that the proposal drops: "a3,a7".

@@ -75,6 +75,34 @@ TEST_F(ReportTest, PageAndJsonTellTheSameFigures) {
   EXPECT_TRUE(contains(html, "WGS 84 / UTM zone 33N"));
 }
 
+// What is wrong comes first and a systematic error that moves no point by its sigma last, each once, with options as
+// they are typed.
+TEST_F(ReportTest, WhatMattersStandsAboveWhatHardlyMovesAnything) {
+  ReportInput input = report_of_test_flight(2, 4, 200);
+  Finding tiny = finding_of(FindingCode::kSystematic, {Subject(CameraId{0}, Aspect::kAdditional)},
+                            {{FigureName::kChance, 1e-9}, {FigureName::kRatio, 0.1}},
+                            {OptionName{"additional", "orient", "polynomial"}});
+  tiny.severity = Severity::kNote;
+  Finding large = tiny;
+  large.severity = Severity::kWeak;
+  large.subjects[0].aspect = Aspect::kAffinity;
+  large.figures[1].value = 3;
+  large.remedies = {OptionName{"calibration", "orient", "brown_affinity"}};
+  input.findings.insert(input.findings.begin(), {tiny, large});
+  input.spelling = [](const OptionName& option) { return "<flag " + option.name + ">"; };
+  ASSERT_TRUE(write_report(input, folder_));
+  const std::string html = page();
+  const auto wrong = html.find("m off the control"), weak = html.find("&lt;flag calibration&gt;"),
+             note = html.find("&lt;flag additional&gt;");
+  ASSERT_NE(wrong, std::string::npos);
+  ASSERT_NE(weak, std::string::npos);
+  ASSERT_NE(note, std::string::npos);
+  EXPECT_LT(wrong, weak);
+  EXPECT_LT(weak, note);
+  EXPECT_EQ(count_of(html, "&lt;flag calibration&gt;"), 1);
+  EXPECT_FALSE(contains(html, "option additional"));
+}
+
 TEST_F(ReportTest, ThePageNeedsNothingFromOutsideAndItsTagsClose) {
   ASSERT_TRUE(write_report(report_of_test_flight(2, 4, 200), folder_));
   const std::string html = page();

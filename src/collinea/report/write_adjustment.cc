@@ -15,6 +15,7 @@
 #include "collinea/report/internal/adjustment_products.h"
 #include "collinea/report/internal/cells.h"
 #include "collinea/report/internal/precision_layers.h"
+#include "collinea/report/internal/tie_residuals.h"
 #include "collinea/report/value_words.h"
 
 namespace collinea {
@@ -107,11 +108,15 @@ Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem:
   std::error_code error;
   std::filesystem::create_directories(folder, error);  // what is wrong with it shows below
   // The GeoPackage is a database, and takes as long as all texts.
-  std::array<Result<>, 2> written;
+  std::array<Result<>, 3> written;
   parallel_for(run, written.size(), [&](std::size_t i) {
-    written[i] = i == 0
-                     ? write_products(report, products, precision_layers(report, products), folder / "adjustment.gpkg")
-                     : write_texts(report, products, folder);
+    const auto residuals = folder / "tie_residuals.csv";
+    if (i == 0)
+      written[i] = write_products(report, products, precision_layers(report, products), folder / "adjustment.gpkg");
+    else if (i == 1)
+      written[i] = write_texts(report, products, folder);
+    else  // that of an earlier adjustment goes
+      written[i] = report.measured_ties.empty() ? remove_file(residuals) : write_tie_residuals(report, residuals);
   });
   for (Result<>& one : written)
     if (!one) return std::move(one);

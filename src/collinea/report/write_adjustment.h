@@ -15,8 +15,8 @@ namespace collinea {
 /// cameras.csv, points.csv, control.csv, geodetic.csv, unknowns.csv (beside those of images, cameras and points),
 /// images, points, control and cameras once more in products.json and but for the cameras in adjustment.gpkg,
 /// observations.csv (control, positions and ground, each with its test), suspects.csv and, after snooping,
-/// rejected.csv. Lengths in metres, angles in degrees, standard deviations times sigma0. Errors: disk, a CRS that PROJ
-/// does not know.
+/// rejected.csv; tie_residuals.csv where these are wanted. Lengths in metres, angles in degrees, standard deviations
+/// times sigma0. Errors: disk, a CRS that PROJ does not know.
 [[nodiscard]] Result<> write_adjustment(const AdjustmentReport& report, const std::filesystem::path& folder,
                                         const Run& run);
 

@@ -18,6 +18,7 @@ Result<StepOutput> adjust_step(Project& project, const std::string& inputs_hash)
   AdjustmentReport report;
   COLLINEA_TRY(static_cast<Adjustment&>(report), adjust_block(std::move(begun.task), options, project.run));
   report.title = title_of(project);
+  report.spelling = project.run.spelling;
   const AdjustmentRecord record = record_of(report, begun.orientation, setup, calibration);
   std::array<Result<>, 2> written;
   parallel_for(project.run, written.size(), [&](std::size_t i) {
@@ -26,7 +27,8 @@ Result<StepOutput> adjust_step(Project& project, const std::string& inputs_hash)
   });
   for (Result<>& one : written) COLLINEA_TRY(std::move(one));
   for (const std::string& note : notes_of(report)) project.run.say("note: " + note);
-  for (const Finding& finding : record.findings) project.run.say("note: " + sentence_of(finding, report.block));
+  for (const Finding& finding : record.findings)
+    project.run.say("note: " + sentence_of(finding, report.block, report.spelling));
   return StepOutput{inputs_hash, record};
 }
 

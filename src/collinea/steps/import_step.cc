@@ -44,7 +44,8 @@ Result<StepOutput> import_step(Project& project, const std::string&) {
   for (const Finding& one : imported.skipped)
     project.run.say(
         fmt::format("skipped {}: {}", words_of(one.subjects[0], imported.block), reason_of(one, imported.block)));
-  for (const Finding& finding : imported.findings) project.run.say("note: " + sentence_of(finding, imported.block));
+  for (const Finding& finding : imported.findings)
+    project.run.say("note: " + sentence_of(finding, imported.block, project.run.spelling));
   return StepOutput{hash_of_images(imported), record};
 }
 

@@ -37,7 +37,8 @@ Result<StepOutput> orient_step(Project& project, const std::string& inputs_hash)
   COLLINEA_TRY(const std::vector<ImagePair> pairs, project.store.read_pairs());
   COLLINEA_TRY(Orientation orientation, orientation_of(project, setup, pairs));
   COLLINEA_TRY(project.store.write_orientation(orientation.block));
-  for (const Finding& finding : orientation.findings) project.run.say("note: " + sentence_of(finding, setup));
+  for (const Finding& finding : orientation.findings)
+    project.run.say("note: " + sentence_of(finding, setup, project.run.spelling));
   return StepOutput{inputs_hash, record_of(orientation)};
 }
 

@@ -82,6 +82,7 @@ Result<StepOutput> report_step(Project& project, const std::string& inputs_hash)
     input.height_reference = height_reference(input, orientation, adjustment);
   }
   input.options = chosen_options(project.settings);
+  input.spelling = project.run.spelling;
   input.versions.emplace_back("collinea", COLLINEA_VERSION);
   input.signer = project.settings.report;
   input.files = SignedFiles{COLLINEA_VERSION, project.settings.seed, files_to_sign(project, setup)};

@@ -106,6 +106,11 @@ bool counts_as_control(const AdjustScope& scope, const ControlPoint& control) {
   return scope.use_control && control.role == ControlRole::kControl;
 }
 
+// Its measurements in images take part by themselves, whether its coordinates do or not.
+bool has_own_rays(const AdjustScope& scope, const ControlPoint& control) {
+  return counts_as_control(scope, control) || scope.use_check_rays;
+}
+
 // Where the images see a control point, else where it was surveyed.
 std::optional<Eigen::Vector3d> start_of(const ControlPoint& control, bool is_control,
                                         const std::vector<SightLine>& lines) {
@@ -165,7 +170,7 @@ Result<> append_control_point(const Block& block, const AdjustScope& scope, cons
   CandidatePoint point;
   point.id = id.value;
   point.first_ray = static_cast<std::uint32_t>(candidates.rays.size());
-  point.is_geodetic_only = !is_control;
+  point.is_geodetic_only = !has_own_rays(scope, control);
   point.is_linked = known.is_linked;
   ControlCoordinates coordinates{};
   if (is_control) {
@@ -185,7 +190,7 @@ Result<> append_control_point(const Block& block, const AdjustScope& scope, cons
 Result<> append_control(const Block& block, const AdjustScope& scope, const CandidateImages& images,
                         CandidatePoints& candidates) {
   const std::set<ControlId> linked = points_of(block, candidates.geodetic);
-  if (!scope.use_control && linked.empty()) return {};
+  if (!scope.use_control && !scope.use_check_rays && linked.empty()) return {};
   std::map<ControlId, std::vector<std::size_t>> sources;
   for (std::size_t i = 0; i < block.control_observations.size(); ++i)
     sources[block.control_observations[i].point].push_back(i);
@@ -193,7 +198,7 @@ Result<> append_control(const Block& block, const AdjustScope& scope, const Cand
   std::map<ControlId, Eigen::Vector3d> starts;
   for (const auto& [id, control] : block.control) {
     const bool is_control = counts_as_control(scope, control);
-    if (!linked.contains(id) && !(is_control && sources.contains(id))) continue;
+    if (!linked.contains(id) && !(has_own_rays(scope, control) && sources.contains(id))) continue;
     const ControlStart& its = known[id] = {sight_lines(block, id), sources[id], linked.contains(id)};
     if (const auto start = start_of(control, is_control, its.lines)) starts[id] = *start;
   }

@@ -21,6 +21,7 @@ constexpr std::size_t kManyMatches = 30;   // of a pair whose contradiction to t
 constexpr double kFewOfThem = 0.1;
 constexpr double kOnSurface = 0.005;  // distance from a quadric over the size of the block
 constexpr double kMoved = 0.1;        // of the residual variance: below it the residuals lose less than a twentieth
+constexpr double kBeyondSource = 3;   // standard deviations of a focal length as given
 constexpr std::size_t kNamed = 3;     // images
 constexpr std::size_t kMostPoints = 2000;  // looked at
 constexpr std::size_t kLeastPoints = 30, kLeastImages = 3;
@@ -187,6 +188,26 @@ std::vector<Finding> weak_focals(const Block& oriented, const std::map<CameraId,
   if (points.size() < kLeastPoints || count_oriented(oriented) < 2) return {};
   return undetermined_focals(first_cameras, adjusted, relief(oriented, points) < kFlat,
                              moves_along_view(oriented, common_points(oriented)));
+}
+
+std::vector<Finding> moved_focals(const std::map<CameraId, Camera>& first_cameras, const Adjusted& adjusted) {
+  std::vector<Finding> findings;
+  for (const auto& [id, camera] : adjusted.cameras) {
+    const auto first = first_cameras.find(id);
+    if (first == first_cameras.end()) continue;
+    const CameraPrior& prior = first->second.prior;
+    const bool is_from_file = prior.source == Provenance::kExifPixelPitch || prior.source == Provenance::kExif35mm ||
+                              prior.source == Provenance::kGiven;
+    const double start_px = first->second.focal_px(), moved_px = std::abs(camera.focal_px() - start_px);
+    if (!is_from_file || !(prior.sigma_f_px > 0) || !(moved_px > kBeyondSource * prior.sigma_f_px)) continue;
+    findings.push_back(finding_of(FindingCode::kFocalMoved, {id},
+                                  {{FigureName::kFocal, camera.focal_px()},
+                                   {FigureName::kFocalGiven, start_px},
+                                   {FigureName::kRelative, camera.focal_px() / start_px - 1},
+                                   {FigureName::kRatio, moved_px / prior.sigma_f_px}},
+                                  {RemedyCode::kCalibrateCamera, OptionName{"camera_params", "import"}}));
+  }
+  return findings;
 }
 
 std::vector<Finding> weak_cases(const Block& oriented, std::span<const ImagePair> pairs) {

@@ -25,6 +25,11 @@ namespace collinea {
 [[nodiscard]] std::vector<Finding> weak_focals(const Block& oriented, const std::map<CameraId, Camera>& first_cameras,
                                                const Examined& adjusted);
 
+/// Cameras whose focal length came out farther from its start than the source of that allows: more than three of its
+/// standard deviations (of EXIF 5 %, of a calibration those it states). Not where it was only assumed.
+[[nodiscard]] std::vector<Finding> moved_focals(const std::map<CameraId, Camera>& first_cameras,
+                                                const Adjusted& adjusted);
+
 /// That no two images could start a block, and why: no overlap, one position of exposure (panorama), or too little
 /// parallax.
 [[nodiscard]] Error nothing_fits(std::span<const ImagePair> pairs);

@@ -98,6 +98,27 @@ TEST(WeakCases, EveryCameraWithAnOpenFocalLengthIsNamed) {
   EXPECT_TRUE(names({3}));
 }
 
+// 849 px in EXIF and 1145 px of the images: 35 %, where EXIF is good to 5.
+TEST(WeakCases, AFocalLengthThatMovesFartherThanItsSourceAllowsIsNamed) {
+  Camera given = ideal_camera(849, 1000, 800);
+  given.prior = {.sigma_f_px = 0.05 * 849, .source = Provenance::kExif35mm};
+  const auto named = [&](double adjusted_px) {
+    Adjusted adjusted;
+    adjusted.cameras[{1}] = given;
+    adjusted.cameras[{1}].params[Camera::kF] = adjusted_px;
+    return moved_focals({{CameraId{1}, given}}, adjusted);
+  };
+  ASSERT_EQ(named(1145).size(), 1u);
+  const Finding found = named(1145).front();
+  EXPECT_EQ(found.code, FindingCode::kFocalMoved);
+  EXPECT_NEAR(*found.figure(FigureName::kRelative), 0.349, 1e-3);
+  EXPECT_NEAR(*found.figure(FigureName::kRatio), 6.97, 0.01);
+  EXPECT_EQ(named(700).size(), 1u);
+  EXPECT_TRUE(named(970).empty());
+  given.prior.source = Provenance::kAssumed;
+  EXPECT_TRUE(named(1145).empty());
+}
+
 TEST(WeakCases, AFlatSceneFromOneHeightLeavesTheFocalLengthOpen) {
   const auto findings = findings_of(matched(seen_from(nadir_grid(60), box({-30, -30, 0}, {90, 55, 0.2}, 600))));
   EXPECT_TRUE(mentions(findings, FindingCode::kFocalOfFlatScene));

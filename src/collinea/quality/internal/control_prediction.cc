@@ -42,11 +42,12 @@ void predict_check_points(const Solved& solved, const TileCholesky& factor, cons
   std::map<ControlId, std::vector<const ControlObservation*>> measured;
   for (const ControlObservation& seen : block.control_observations)
     if (is_oriented(block, seen.image) && !is_left_out(adjusted, seen.image)) measured[seen.point].push_back(&seen);
-  std::set<ControlId> retained;  // they took part
-  for (const std::uint32_t p : problem.retained_points) retained.insert(ControlId{problem.point(p).id});
+  std::set<ControlId> took_part;
+  for (std::size_t p = problem.first_control; p < problem.point_count(); ++p)
+    if (problem.point(p).control >= 0) took_part.insert(ControlId{problem.point(p).id});
   parallel_for(run, adjusted.control.size(), [&](std::size_t i) {
     ControlDifference& check = adjusted.control[i];
-    if (check.used || !check.position_in_world || retained.contains(check.point)) return;
+    if (check.used || !check.position_in_world || took_part.contains(check.point)) return;
     PointSystem system(problem);
     const auto its_own = measured.find(check.point);
     if (its_own == measured.end()) return;

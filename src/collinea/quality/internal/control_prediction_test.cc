@@ -154,6 +154,62 @@ TEST(ControlPrediction, CheckPointsHaveTheCovarianceOfAPointThatDoesNotPull) {
   EXPECT_GE(compared, 2);
 }
 
+// A check point whose rays take part is a point of control without coordinates, but for its name.
+TEST(ControlPrediction, RaysOfCheckPointsTakePartAsThoseOfPointsWithoutCoordinates) {
+  const Block block = test_block({.rows = 2, .columns = 3, .points = 50, .sigma_px = 0.5, .control = 9});
+  Block free = block;
+  for (auto& [id, control] : free.control)
+    if (control.role == ControlRole::kCheck) {
+      control.role = ControlRole::kControl;
+      control.sigma_m.setConstant(std::numeric_limits<double>::infinity());
+    }
+  const auto with = examine(block, {.use_check_rays = true}, with_covariances(), {});
+  const auto as_control = examine(free, {}, with_covariances(), {}),
+             without = examine(block, {}, with_covariances(), {});
+  ASSERT_TRUE(with && as_control && without);
+  EXPECT_EQ(with->redundancy, as_control->redundancy);
+  EXPECT_GT(with->redundancy, without->redundancy);
+  EXPECT_EQ(with->sigma0, as_control->sigma0);
+  ASSERT_EQ(with->control.size(), as_control->control.size());
+  int checks = 0;
+  for (std::size_t i = 0; i < with->control.size(); ++i) {
+    const ControlDifference &one = with->control[i], &same = as_control->control[i];
+    EXPECT_EQ(*one.position_in_world, *same.position_in_world);
+    if (block.control.at(one.point).role != ControlRole::kCheck) continue;
+    EXPECT_FALSE(one.used);
+    EXPECT_EQ(*one.covariance_m2, *same.covariance_m2);
+    EXPECT_LT(one.covariance_m2->trace(), without->control[i].covariance_m2->trace());
+    const double sigma =
+        std::hypot(sigma_scale(*with) * std::sqrt((*one.covariance_m2)(2, 2)), block.control.at(one.point).sigma_m.z());
+    EXPECT_NEAR(one.difference_sigma_m.z(), sigma, 1e-12);
+    ++checks;
+  }
+  EXPECT_GE(checks, 2);
+}
+
+// As above, of check points whose rays take part: the mean of e' C^-1 e is 3.
+TEST(ControlPrediction, CheckPointsWhoseRaysTakePartDifferAsPredicted) {
+  Series of_checks;
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    const Block block = test_block(
+        {.rows = 2, .columns = 3, .points = 50, .sigma_px = 0.5, .control = 12, .control_sigma_m = 0.01, .seed = seed});
+    const auto adjusted = examine(block, {.use_check_rays = true}, with_covariances(), {});
+    ASSERT_TRUE(adjusted) << adjusted.error().message;
+    double of_block = 0;
+    int checks = 0;
+    for (const ControlDifference& one : adjusted->control) {
+      if (one.used || !one.covariance_m2) continue;
+      const Eigen::Matrix3d survey = 1e-4 * Eigen::Matrix3d::Identity();
+      of_block += one.difference_m.dot((*one.covariance_m2 + survey).inverse() * one.difference_m);
+      ++checks;
+    }
+    ASSERT_GE(checks, 2);
+    of_checks.add(of_block / checks);
+  }
+  EXPECT_NEAR(of_checks.mean(), 3, 4 * of_checks.sigma_of_mean());
+  EXPECT_LT(4 * of_checks.sigma_of_mean(), 0.4);
+}
+
 TEST(ControlPrediction, APointThatIsNotSurveyedOnAnAxisHasNoExpectedDifferenceThere) {
   Block block = test_block({.rows = 2, .columns = 3, .points = 50, .sigma_px = 0.5, .control = 9});
   for (auto& [id, control] : block.control)

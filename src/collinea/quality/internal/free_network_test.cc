@@ -208,6 +208,10 @@ TEST(FreeNetwork, ChosenPointsThatDoNotTellTheDatumAreRefused) {
   ASSERT_FALSE(nobody);
   EXPECT_EQ(nobody.error().code, Errc::kBadInput);
   EXPECT_NE(nobody.error().message.find("\"nobody\""), std::string::npos);
+  const auto slip = datum_points_named(block, "GCP1");
+  ASSERT_FALSE(slip);
+  EXPECT_NE(slip.error().message.find("did you mean gcp1"), std::string::npos) << slip.error().message;
+  EXPECT_EQ(slip.error().options, std::vector{"datum_points"_option});
   EXPECT_EQ(datum_points_named(block, "102, gcp4").value().ties, std::set{PointId{102}});
 }
 

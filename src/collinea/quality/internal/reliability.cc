@@ -42,6 +42,17 @@ int ray_count(const Problem& problem, std::size_t point) {
   return static_cast<int>(problem.end_ray(point) - problem.point(point).first_ray);
 }
 
+// sigma0 as it is estimated however small it is, not sigma_scale(), which is 1 where observations agree to rounding:
+// tau compares residuals with each other, and one that stands out of rounding is a gross error all the same.
+double sigma0_of_tests(const Adjusted& adjusted, bool sigma0_known) {
+  return sigma0_known || adjusted.redundancy < 1 ? 1 : std::max(adjusted.sigma0, 1e-12);
+}
+
+// The standard deviation of what a measurement misses the others' prediction by, see Examiner::test().
+double spread_of(double sigma, double own_sigma0, double sigma0, double leverage, double weight, double r) {
+  return sigma * std::sqrt(own_sigma0 * own_sigma0 + sigma0 * sigma0 * leverage / (weight * r));
+}
+
 // What w of tie points is distributed like, over both coordinates. Those of a point with two rays say the same.
 TieErrors shown_tie_errors(const Problem& problem, const State& state, const std::vector<Eigen::Matrix2d>& leverages,
                            double sigma0) {
@@ -123,11 +134,8 @@ class Examiner {
     out_.false_alarm = options.false_alarm;
     out_.power = options.power;
     out_.sigma0_known = options.sigma0_known;
-    // sigma0 as it is estimated however small it is, not sigma_scale(), which is 1 where observations agree to
-    // rounding: tau compares residuals with each other, and one that stands out of rounding is a gross error all the
-    // same.
     const bool known = options.sigma0_known || adjusted.redundancy < 1;
-    sigma0_ = known ? 1 : std::max(adjusted.sigma0, 1e-12);
+    sigma0_ = sigma0_of_tests(adjusted, options.sigma0_known);
     out_.limit = known ? normal_limit(options.false_alarm) : tau_limit(options.false_alarm, adjusted.redundancy);
     const double quantile = options.power > 0.5 ? normal_limit(2 * (1 - options.power)) : 0;
     out_.delta0 = normal_limit(options.false_alarm) + quantile;
@@ -176,7 +184,7 @@ class Examiner {
     one.minimal_detectable_bias = one.effect = one.effect_in_sigmas = kInfinity;
     if (r > kNoRedundancy) {
       const double own = is_image_point(one.group) ? sigma0_ : 1;
-      const double spread = one.sigma * std::sqrt(own * own + sigma0_ * sigma0_ * leverage / (weight * r));
+      const double spread = spread_of(one.sigma, own, sigma0_, leverage, weight, r);
       one.gross_error = one.residual / r;
       one.w = one.gross_error / spread;
       one.suspicion = one.gross_error / (sigma0_ * one.sigma * std::sqrt(1 + leverage / (weight * r)));
@@ -363,6 +371,15 @@ class Examiner {
 
 }  // namespace
 }  // namespace bundle
+
+TieTest tie_test(const Adjusted& adjusted, const Reliability& tests, const Eigen::Vector2d& residual_px,
+                 double sigma_px, int axis, double redundancy) {
+  const double r = std::clamp(redundancy, 0.0, 1.0), sigma0 = bundle::sigma0_of_tests(adjusted, tests.sigma0_known);
+  TieTest test{bundle::kNaN, adjusted.tie_loss.weight(residual_px.squaredNorm() / (sigma_px * sigma_px))};
+  if (r > bundle::kNoRedundancy)
+    test.w = residual_px[axis] / r / bundle::spread_of(sigma_px, sigma0, sigma0, 1 - redundancy, test.weight, r);
+  return test;
+}
 
 Reliability reliability_of(const Solved& solved, const Adjusted& adjusted, const TestOptions& options,
                            bundle::TileCholesky& inverse, const Run& run) {

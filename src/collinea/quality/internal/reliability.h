@@ -104,6 +104,16 @@ struct Reliability {
   std::array<GroupSums, kObservationGroups> groups;
 };
 
+/// The test of one coordinate of a ray of a tie point, as reliability_of() does it.
+struct TieTest {
+  double w = 0;       ///< NaN: nothing checks it
+  double weight = 0;  ///< by the loss, times 1 / sigma^2
+};
+/// `residual_px`: both coordinates, by whose length the loss weighs; `redundancy` of coordinate `axis`, as in
+/// Reliability::tie_redundancy.
+[[nodiscard]] TieTest tie_test(const Adjusted& adjusted, const Reliability& tests, const Eigen::Vector2d& residual_px,
+                               double sigma_px, int axis, double redundancy);
+
 /// Tests every observation of an adjustment, by the selected inverse of the reduced normal equations (Solved).
 ///
 /// Model: the residuals v = -R e follow the errors e by the redundancy matrix R = I - A (A'PA)^-1 A'P; its diagonal

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <set>
 
 #include "collinea/math/median.h"
 #include "collinea/report/finding_words.h"
@@ -53,6 +55,31 @@ std::string count_text(std::size_t count) {  // 1,234,567
   return digits;
 }
 
+// Wrong before weak before noteworthy; in each what moves points by a share of their sigmas behind the rest, the
+// largest share first.
+std::vector<Finding> by_weight(std::vector<Finding> findings) {
+  const auto is_systematic = [](const Finding& one) {
+    return one.code == FindingCode::kSystematic || one.code == FindingCode::kSystematicTakenUp;
+  };
+  const auto share = [&](const Finding& one) {
+    return is_systematic(one) ? one.figure(FigureName::kRatio).value_or(0) : std::numeric_limits<double>::infinity();
+  };
+  std::ranges::stable_sort(findings, [&](const Finding& a, const Finding& b) {
+    return a.severity != b.severity ? a.severity > b.severity : share(a) > share(b);
+  });
+  return findings;
+}
+
+// The findings among the cautions stand on the page in their own order.
+std::vector<std::string> cautions_of_no_finding(const ReportInput& input, const ReportSummary& s) {
+  std::set<std::string> of_findings;
+  for (const Finding& finding : input.findings) of_findings.insert(sentence_of(finding, input.block));
+  std::vector<std::string> cautions;
+  for (const std::string& one : s.cautions)
+    if (!of_findings.contains(one)) cautions.push_back(one);
+  return cautions;
+}
+
 std::string statement_section(const ReportInput& input, const ReportSummary& s) {
   const bool checked = s.check.points > 0;
   const AxisRms& rms = checked ? s.check : s.control.points ? s.control : s.position;
@@ -67,8 +94,9 @@ std::string statement_section(const ReportInput& input, const ReportSummary& s) 
     html += fmt::format("<div><span>in space</span><b>{}</b></div></div>\n", length_text(rms.spatial_m, s.unit));
   }
   html += "</section>\n";
-  std::vector<std::string> cautions = s.cautions;
-  for (const Finding& finding : input.findings) cautions.push_back(sentence_of(finding, input.block));
+  std::vector<std::string> cautions = cautions_of_no_finding(input, s);
+  for (const Finding& finding : by_weight(input.findings))
+    cautions.push_back(sentence_of(finding, input.block, input.spelling));
   if (!cautions.empty()) {
     html += "<ul class=\"cautions\">\n";
     for (const std::string& caution : cautions) html += "<li>" + escaped(caution) + "</li>\n";
@@ -123,7 +151,8 @@ std::string facts_section(const ReportInput& input, const ReportSummary& s) {
   if (const double area = s.overlap.area(3); area > 0)
     html += fact("area seen by 3 images or more", area_text(area, s.unit));
   html += fact("control / check points", fmt::format("{} / {}", s.control_points, s.check_points));
-  if (const std::string dates = dates_text(block); !dates.empty()) html += fact("photographs taken", dates);
+  if (const std::string dates = dates_text(block); !dates.empty())
+    html += fact("photographs taken, by the camera's clock", dates);
   const auto& g = block.georeference;
   if (input.georeferenced && g)
     html +=

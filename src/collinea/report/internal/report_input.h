@@ -65,6 +65,7 @@ struct ReportInput {
   std::vector<ReportProduct> products;
   std::filesystem::path dsm, ortho;    ///< GeoTIFFs to show; empty: none
   std::optional<NamedValues> options;  ///< those that were chosen; nothing: not known
+  SpellOption spelling = {};           ///< of options on the page, as they are typed; nothing: "option name = value"
   NamedValues versions;                ///< program and libraries
   ReportOptions signer;                ///< who signs
   std::optional<SignedFiles> files;    ///< what the signature stands for; nothing: not known

@@ -32,13 +32,14 @@ std::string statement_of(const ReportInput& input, const ReportSummary& s) {
         points(s.check.points, "independent check"), axes_text(s.check, s.unit));
   if (s.control.points > 0)
     return fmt::format(
-        "There is no check point, so the accuracy is not verified independently. The {} used fit to {} (root mean "
-        "square), which is better than the accuracy of new points.",
+        "There is no check point, so nothing independent verifies the accuracy. At the {} that the adjustment used, "
+        "coordinates differ by {} (root mean square). It was fitted to these: new points are less accurate.",
         points(s.control.points, "control"), axes_text(s.control, s.unit));
   if (input.georeferenced && s.position.points > 0)
     return fmt::format(
-        "Position and scale come from the satellite positions of the cameras alone; these fit to {} (root mean square "
-        "of {}). An error common to all positions stays unseen: there is no check point.",
+        "Position and scale come from the satellite positions of the cameras alone, from which the adjusted ones "
+        "differ "
+        "by {} (root mean square of {}). An error common to all positions stays unseen: there is no check point.",
         axes_text(s.position, s.unit), counted(s.position.points, "image"));
   if (input.metric && !input.georeferenced)
     return fmt::format(

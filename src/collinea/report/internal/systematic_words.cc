@@ -8,6 +8,7 @@
 
 #include "collinea/block/subject_label.h"
 #include "collinea/camera/additional.h"
+#include "collinea/io/text.h"
 
 namespace collinea {
 namespace {
@@ -86,8 +87,7 @@ std::string displaced(const Finding& finding) {
   if (const auto px = finding.figure(F::kOffsetPx)) return fmt::format("image points by up to {:.2f} px", *px);
   if (const auto deg = finding.figure(F::kDifferenceAngle))
     return fmt::format("attitudes by up to {:.3f} degrees", *deg);
-  return fmt::format("positions and heights that are given by up to {:.3f} m",
-                     finding.figure(F::kOffset).value_or(kNaN));
+  return "positions and heights that are given by up to " + metres_text(finding.figure(F::kOffset).value_or(kNaN));
 }
 
 }  // namespace
@@ -103,9 +103,9 @@ std::string systematic_words(const Finding& finding, const Block& block) {
     text +=
         fmt::format(": {} {} (sigma {})", listed(values, kind.format), kind.unit,
                     listed(sigmas, kind.format[3] == '.' ? (std::string("{:") + (kind.format + 3)).c_str() : "{:.3f}"));
-  text += fmt::format(". By accident they do so {}. It changes {}; to estimate it moves points by up to {:.3f} m.",
+  text += fmt::format(". By accident they do so {}. It changes {}; to estimate it moves points by up to {}.",
                       chance_words(finding.figure(F::kChance).value_or(kNaN)), displaced(finding),
-                      finding.figure(F::kDifference).value_or(kNaN));
+                      metres_text(finding.figure(F::kDifference).value_or(kNaN)));
   std::string others;
   for (std::size_t i = 1; i < finding.subjects.size(); ++i)
     others += (i == 1                             ? ""

@@ -189,6 +189,12 @@ std::string words_of_weak_cases(const FindingWords& w) {
       return focal_undetermined(w, "the camera moved along its view");
     case C::kFocalOfFewImages:
       return focal_undetermined(w, "the images are too few or too much alike");
+    case C::kFocalMoved:
+      return fmt::format(
+          "The focal length of {} came out at {:.0f} px, {:+.0f} % from the {:.0f} px that were given: more than their "
+          "source allows ({:.1f} of its standard deviations). The images may have been cropped or resampled, or the "
+          "lens was another one.",
+          w.subject(0), w[F::kFocal], 100 * w[F::kRelative], w[F::kFocalGiven], w[F::kRatio]);
     case C::kMovedAlongView:
       return "The camera moved along its view: rays meet at small angles, and distances ahead are weak, most of all in "
              "the middle of the images.";
