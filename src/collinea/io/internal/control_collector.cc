@@ -101,13 +101,19 @@ Result<> ControlCollector::add_row(int line, const Eigen::Vector3d& position, st
       return bad_control_line(line, "point " + seen.point + " had other coordinates before");
     }
   }
-  add_observation(std::move(seen));
-  return {};
+  return add_observation(std::move(seen));
 }
 
-void ControlCollector::add_observation(ControlFileObservation seen) {
-  const bool copied_line = !known_.emplace(seen.point, seen.file, seen.pixel.x(), seen.pixel.y()).second;
-  if (!copied_line) file_.observations.push_back(std::move(seen));
+Result<> ControlCollector::add_observation(ControlFileObservation seen) {
+  const auto [known, is_new] = known_.emplace(std::pair{seen.point, seen.file}, file_.observations.size());
+  if (is_new) {
+    file_.observations.push_back(std::move(seen));
+    return {};
+  }
+  const ControlFileObservation& first = file_.observations[known->second];
+  if (first.pixel == seen.pixel) return {};  // a copied line
+  return bad_control_line(seen.line, "point " + seen.point + " is measured twice in " + seen.file +
+                                         ", elsewhere in line " + std::to_string(first.line));
 }
 
 Result<ControlFile> ControlCollector::finish(std::string crs) {

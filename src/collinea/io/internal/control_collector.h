@@ -6,7 +6,7 @@
 #include <set>
 #include <string>
 #include <string_view>
-#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "collinea/base/result.h"
@@ -17,7 +17,7 @@ namespace collinea {
 [[nodiscard]] tl::unexpected<Error> bad_control_line(int line, const std::string& what);
 
 /// Collects rows of a control file into points and observations, whatever the format: names differ, a coordinate that
-/// is missing is infinite until `finish`, a copied line counts once.
+/// is missing is infinite until `finish`, a copied line counts once, and a point has one position in an image.
 class ControlCollector {
  public:
   explicit ControlCollector(const ControlDefaults& defaults) : defaults_(defaults) {}
@@ -31,7 +31,7 @@ class ControlCollector {
   /// A row of a point and where it is seen; the point may have been there before. x, y, z: NaN where missing. Without a
   /// name rows of one position are one point.
   Result<> add_row(int line, const Eigen::Vector3d& position, std::string_view name, ControlFileObservation seen);
-  void add_observation(ControlFileObservation seen);
+  Result<> add_observation(ControlFileObservation seen);
   /// All of it, once. Points that are only marked, in two images or more, have no coordinates. Errors: no point, one
   /// that no row gives and a single image shows.
   Result<ControlFile> finish(std::string crs);
@@ -46,7 +46,7 @@ class ControlCollector {
   std::map<std::string, std::size_t> by_name_;
   std::map<std::array<double, 3>, std::size_t> by_position_;  // infinity where missing: NaN has no order
   std::vector<std::array<double, 3>> keys_;
-  std::set<std::tuple<std::string, std::string, double, double>> known_;  // observations
+  std::map<std::pair<std::string, std::string>, std::size_t> known_;  // observations, by point and file
   std::set<std::string> with_covariance_;
   int unnamed_ = 0;
 };

@@ -168,7 +168,7 @@ Result<ControlFile> parse_csv(std::string_view file, const ControlDefaults& defa
       COLLINEA_TRY(collector.add_point(line, std::move(point)));
     } else {
       COLLINEA_TRY(ControlFileObservation seen, csv_observation(line, fields, defaults));
-      collector.add_observation(std::move(seen));
+      COLLINEA_TRY(collector.add_observation(std::move(seen)));
     }
   }
   return collector.finish(std::move(crs));

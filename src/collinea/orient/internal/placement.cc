@@ -11,6 +11,7 @@
 #include "collinea/orient/control_rejection.h"
 #include "collinea/orient/internal/datum.h"
 #include "collinea/orient/internal/geodetic_scale.h"
+#include "collinea/orient/internal/gross_geodetic.h"
 #include "collinea/orient/internal/level_datum.h"
 #include "collinea/orient/internal/strip_datum.h"
 #include "collinea/quality/mark_check.h"
@@ -77,6 +78,13 @@ std::map<ImageId, GivenVertical> present_level(const Reconstruction& part) {
   return verticals;
 }
 
+void leave_out_geodetic(Reconstruction& part, const std::vector<std::size_t>& excluded, Placement& placed) {
+  Block setup = part.setup();
+  for (const std::size_t index : excluded) setup.geodetic[index].role = ControlRole::kCheck;
+  part.set_setup(std::move(setup));
+  placed.excluded_geodetic.insert(excluded.begin(), excluded.end());
+}
+
 // A local frame gets at least its scale, by distances. Those that contradict the others are rejected. Without any that
 // can be compared, geodetic observations are not used.
 void scale_by_distances(Reconstruction& part, const GivenOrientation* given, Placement& placed) {
@@ -84,10 +92,7 @@ void scale_by_distances(Reconstruction& part, const GivenOrientation* given, Pla
   const auto found = geodetic_scale(part.block());
   placed.scope.use_geodetic = found.has_value();
   if (!found) return;
-  Block setup = part.setup();
-  for (const std::size_t index : found->excluded) setup.geodetic[index].role = ControlRole::kCheck;
-  part.set_setup(std::move(setup));
-  placed.excluded_geodetic.insert(found->excluded.begin(), found->excluded.end());
+  leave_out_geodetic(part, found->excluded, placed);
   add(placed, found->findings);
   Similarity3 scaled;
   scaled.scale = found->scale;
@@ -196,6 +201,28 @@ Placement placed_locally(Reconstruction& part, const GivenOrientation* given, Pl
   return placed;
 }
 
+// What was measured on the ground takes part in the world, less what cannot be there.
+void check_geodetic(Reconstruction& part, Placement& placed) {
+  if (!placed.georeferenced || !placed.scope.use_geodetic || part.setup().geodetic.empty()) return;
+  const Block block = part.block();
+  const bool by_control = placed.gauge.by_control;
+  const GrossGeodetic found =
+      gross_geodetic(block, known_part(block, by_control ? placed.in_datum : std::set<ControlId>{}));
+  if (found.excluded.empty()) return;
+  leave_out_geodetic(part, found.excluded, placed);
+  add(placed, found.findings);
+}
+
+Placement placed_where_known(Reconstruction& part, const GivenOrientation* given, const OrientOptions& options,
+                             std::uint64_t seed, Placement begun) {
+  const bool has_map = part.setup().georeference.has_value();
+  if (given)
+    if (auto placed = placed_as_given(part, *given, options, begun)) return *std::move(placed);
+  if (has_map)
+    if (auto placed = placed_in_world(part, seed, begun)) return *std::move(placed);
+  return placed_locally(part, given, std::move(begun));
+}
+
 }  // namespace
 
 Placement set_datum(Reconstruction& part, const GivenOrientation* given, const OrientOptions& options,
@@ -208,11 +235,9 @@ Placement set_datum(Reconstruction& part, const GivenOrientation* given, const O
     check_control_of(part, begun, options, seed);
   else
     leave_out_marks_outside(part);
-  if (given)
-    if (auto placed = placed_as_given(part, *given, options, begun)) return *std::move(placed);
-  if (has_map)
-    if (auto placed = placed_in_world(part, seed, begun)) return *std::move(placed);
-  return placed_locally(part, given, std::move(begun));
+  Placement placed = placed_where_known(part, given, options, seed, std::move(begun));
+  check_geodetic(part, placed);
+  return placed;
 }
 
 }  // namespace collinea

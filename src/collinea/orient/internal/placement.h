@@ -22,7 +22,7 @@ struct Placement {
   bool relative_heights = false;            ///< georeferenced in plan, but nothing observes a height
   std::set<ControlId> in_datum;             ///< control that fixed the similarity to the world
   std::set<ControlId> excluded_control;     ///< see reject_wrong_control()
-  std::set<std::size_t> excluded_geodetic;  ///< indices in Block::geodetic: distances that contradict the others
+  std::set<std::size_t> excluded_geodetic;  ///< indices in Block::geodetic: what contradicts the others, or the block
   std::vector<Finding> findings;
 };
 
@@ -32,6 +32,7 @@ struct Placement {
 ///   - that of positions on one line, with attitudes, see strip_datum()
 ///   - that of positions without heights or close together, with what is level in the images, see level_datum()
 ///   - a local one: that of the given poses, or z up as images are held; scaled by distances, where there are some
+/// What was measured on the ground and cannot be where the block lies then is rejected, too, see gross_geodetic().
 /// `given`: may be null. What was rejected leaves the setup of the part, too.
 [[nodiscard]] Placement set_datum(Reconstruction& part, const GivenOrientation* given, const OrientOptions& options,
                                   std::uint64_t seed);
