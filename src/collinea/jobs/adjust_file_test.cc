@@ -249,7 +249,7 @@ TEST(AdjustFile, AScaleBarBetweenTargetsGivesTheScale) {
   for (const auto& [a, at_a] : block.made.truth)
     for (const auto& [b, at_b] : block.made.truth) {
       const auto at = [&](ControlId id) { return found.at("\"gcp" + std::to_string(id.value) + "\""); };
-      EXPECT_NEAR((at(a) - at(b)).norm(), (at_a - at_b).norm(), 0.05);
+      EXPECT_NEAR((at(a) - at(b)).norm(), (at_a - at_b).norm(), 0.2);  // marks of 0.3 px are 12 mm in an image
     }
 }
 
