@@ -35,7 +35,7 @@ std::vector<Compared> compared(const Block& block) {
     const Eigen::Vector3d line = to->point_in_world - from->point_in_world;
     const double length_m = one.kind == GeodeticKind::kDirection ? line.head<2>().norm() : line.norm();
     if (!(length_m > 0)) continue;
-    const GeodeticModel model = geodetic_model(one, from->point_in_world, to->point_in_world, 0, true);
+    const GeodeticModel model = geodetic_model(one, from->point_in_world, to->point_in_world, 0, {true});
     const double sigma_m = std::sqrt((from->covariance + to->covariance).trace());
     all.push_back({i, geodetic_residual(one, model), length_m, line.norm(), sigma_m});
   }
