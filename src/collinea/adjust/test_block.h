@@ -24,7 +24,7 @@ struct TestBlockOptions {
   double position_sigma_m = 0;  ///< 0: no GNSS positions
   int control = 0;              ///< control points, every third one a check point
   double control_sigma_m = 0.01;
-  double tilt_rad = 0.15, turn_rad = 3.1;  ///< of every image; of every second strip
+  double tilt_rad = 0.15, rotation_rad = 3.1;  ///< of every image; of every second strip
   std::uint64_t seed = 1;
 };
 
@@ -72,7 +72,7 @@ inline Rigid3 test_pose(const TestBlockOptions& o, int row, int column, Random& 
                                o.height_m + 3 * random.normal());
   const Eigen::Quaterniond down(0, 1, 0, 0);
   const Eigen::Quaterniond rotation =
-      rotation_by(o.tilt_rad * normal3(random) + Eigen::Vector3d(0, 0, row % 2 * o.turn_rad));
+      rotation_by(o.tilt_rad * normal3(random) + Eigen::Vector3d(0, 0, row % 2 * o.rotation_rad));
   const Eigen::Quaterniond cam_from_world = (rotation * down).normalized();
   return {cam_from_world, -(cam_from_world * centre)};
 }

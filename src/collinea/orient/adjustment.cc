@@ -214,7 +214,9 @@ Result<Adjustment> adjust_block(AdjustmentTask task, const AdjustmentOptions& as
     }
   }
   for (int taken = 0; taken < kMostTakenUp && asked.systematics == Systematics::kAuto; ++taken) {
-    COLLINEA_TRY(const bool more, take_up_systematics(asked, options.adjust.calibration, done));
+    COLLINEA_TRY(const bool more,
+                 take_up_systematics(asked, options.adjust.calibration,
+                                     {done.adjusted, done.block, done.scope, done.instruments, done.taken_up}));
     if (!more) break;
     COLLINEA_TRY(adjust_once(task, options, asked, run, done));
   }

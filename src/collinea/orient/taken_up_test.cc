@@ -33,7 +33,7 @@ double rms_error_m(const Adjustment& done, const Flown& made) {
   return std::sqrt(sum / static_cast<double>(done.block.points.size()));
 }
 
-constexpr FlightOptions kTurned{.points = 300, .turn_rad = 1.6};
+constexpr FlightOptions kTurned{.points = 300, .rotation_rad = 1.6};
 const Wrong kAffine{.b1_px = 4, .b2_px = -3};
 
 TEST(TakenUp, AnAffinityIsEstimatedWhereTheBlockDeterminesIt) {
@@ -69,7 +69,7 @@ TEST(TakenUp, AdditionalParametersAreEstimatedWhereTheBlockDeterminesThem) {
 // Parallel strips: only what else is known of the block tells an affinity of the camera from one of the ground.
 TEST(TakenUp, WhatTheBlockHardlyDeterminesIsOnlyNamed) {
   FlightOptions parallel = kTurned;
-  parallel.turn_rad = 3.1;
+  parallel.rotation_rad = 3.1;
   const Adjustment done = adjusted(flown(1, kAffine, parallel));
   EXPECT_TRUE(done.taken_up.empty());
   EXPECT_TRUE(std::ranges::any_of(done.adjusted.systematics, &SystematicTest::significant));

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "collinea/quality/internal/test_examine.h"
-#include "collinea/quality/internal/test_flight.h"
+#include "collinea/quality/test_flight.h"
 #include "collinea/quality/systematics.h"
 
 namespace collinea::testing {

@@ -10,7 +10,7 @@
 
 #include "collinea/quality/internal/image_order.h"
 #include "collinea/quality/internal/test_examine.h"
-#include "collinea/quality/internal/test_flight.h"
+#include "collinea/quality/test_flight.h"
 #include "collinea/quality/internal/tie_marginal.h"
 
 namespace collinea {

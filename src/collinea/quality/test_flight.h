@@ -35,7 +35,7 @@ struct FlightOptions {
   double sigma_px = 0.5, position_sigma_m = 0.02, control_sigma_m = 0.01;
   bool noise = true;
   bool attitudes = false;
-  double turn_rad = 3.1;  ///< of the camera in every second strip
+  double rotation_rad = 3.1;  ///< of the camera in every second strip
 };
 
 struct Flown {
@@ -125,7 +125,7 @@ inline Flown flown(std::uint64_t seed, const Wrong& wrong = {}, const FlightOpti
                                  .control = o.control,
                                  .control_sigma_m = o.control_sigma_m,
                                  .tilt_rad = 0.05,
-                                 .turn_rad = o.turn_rad,
+                                 .rotation_rad = o.rotation_rad,
                                  .seed = seed};
   Flown made{test_block(options), {}, {}, {}};
   made.block.georeference = {"EPSG:32633", 48.2, 15.63, 300};

@@ -22,7 +22,7 @@ Block measured_block() {
     for (std::uint32_t to = 1; to <= 4; ++to) {
       GeodeticObservation one{.kind = kind, .from = {0}, .to = {to}, .sigma = 1e-4, .setup = 0};
       one.value = geodetic_model(one, block.control.at({0}).position_in_world, block.control.at({to}).position_in_world,
-                                 kZero_rad, true)
+                                 kZero_rad, {true})
                       .computed;
       block.geodetic.push_back(one);
     }

@@ -23,7 +23,7 @@ bool is_any(const InstrumentOptions& more) {
   return more.time_offset || has_lever_arm(more) || more.position_shift != PositionShift::kNone;
 }
 
-Result<bool> take_up_instrument(Adjustment& done) {
+Result<bool> take_up_instrument(TakingUp& done) {
   const InstrumentOptions next = taken_up(done.adjusted.systematics, done.instruments);
   const InstrumentOptions more = added(done.instruments, next);
   if (!is_any(more)) return false;
@@ -43,7 +43,7 @@ Result<bool> take_up_instrument(Adjustment& done) {
 }
 
 // Cameras of which the adjustment was free to choose the parameters: calibrated as the options say, without others.
-std::set<CameraId> cameras_to_extend(Calibration calibration, const Adjustment& done) {
+std::set<CameraId> cameras_to_extend(Calibration calibration, const TakingUp& done) {
   std::set<CameraId> cameras;
   if (calibration == Calibration::kNone) return cameras;
   for (const auto& [id, camera] : done.block.cameras)
@@ -53,7 +53,7 @@ std::set<CameraId> cameras_to_extend(Calibration calibration, const Adjustment& 
   return cameras;
 }
 
-bool take_up_deformation(Calibration calibration, Adjustment& done) {
+bool take_up_deformation(Calibration calibration, TakingUp& done) {
   const std::vector<SystematicTest>& tests = done.adjusted.systematics;
   const auto number = deformation_taken_up(tests, cameras_to_extend(calibration, done));
   if (!number) return false;
@@ -70,7 +70,7 @@ bool take_up_deformation(Calibration calibration, Adjustment& done) {
 
 }  // namespace
 
-Result<bool> take_up_systematics(const AdjustmentOptions& asked, Calibration calibration, Adjustment& done) {
+Result<bool> take_up_systematics(const AdjustmentOptions& asked, Calibration calibration, TakingUp done) {
   COLLINEA_TRY(const bool instrument, take_up_instrument(done));
   if (instrument) return true;
   if (asked.additional || asked.calibration) return false;  // what cameras have was chosen

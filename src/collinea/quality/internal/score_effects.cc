@@ -85,7 +85,7 @@ void ScoreTests::measure_effects(TileCholesky& inverse, const Run& run) {
   Eigen::MatrixXd moves(3 * static_cast<Eigen::Index>(points.size()), count);
   Eigen::MatrixXd pixels = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(points.size()), count);
   Eigen::VectorXd sigmas_m(static_cast<Eigen::Index>(points.size()));
-  // A fault of a camera is for the most part another focal length or attitude; of others the whole is told.
+  // A fault of a camera is for the most part another focal length or attitude; of others the whole counts.
   std::vector<char> is_of_camera;
   for (const SystematicTest& test : tests_) is_of_camera.push_back(columns_.camera_with_deformation(test) >= 0);
   parallel_for(run, points.size(), [&](std::size_t k) {
