@@ -314,7 +314,8 @@ TEST(AdjustProject, PointsOfTheDatumOfAFreeNetworkAreChosenByName) {
   // A complete datum says that the choice has no effect.
   const auto fixed = try_adjustment(
       *project, {.datum_points = names[0], .snoop = false, .systematics = Systematics::kNone}, folder / "trial");
-  if (fixed) EXPECT_FALSE(report_in(folder / "trial").at("datum_points").at("have_effect").get<bool>());
+  ASSERT_TRUE(fixed) << fixed.error().message;
+  EXPECT_FALSE(report_in(folder / "trial").at("datum_points").at("have_effect").get<bool>());
 }
 
 TEST(AdjustProject, RefusesOptionsOutOfRange) {
