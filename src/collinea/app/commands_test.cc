@@ -282,7 +282,7 @@ TEST(Commands, AConversionKeepsTheOptionsOfTheAdjustment) {
   for (const char* line : {"option loss cauchy\n", "option folds 7\n", "option loss_scale_sigmas 3\n",
                            "option lever_arm estimate\n", "option refraction on\n", "option snoop yes\n"})
     EXPECT_NE(text.find(line), std::string::npos) << line;
-  EXPECT_EQ(convert({"--loss", "auto"}).find("option loss"), std::string::npos);
+  EXPECT_EQ(convert({"--loss", "auto"}).find("option loss "), std::string::npos);
   EXPECT_NE(collinea_with({"adjust", "--import", file, "--export", converted, "--output", "out"}).code, 0);
 }
 

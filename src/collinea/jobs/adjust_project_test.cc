@@ -175,12 +175,15 @@ std::vector<std::vector<std::string>> residual_rows(const std::filesystem::path&
     for (const char c : line)
       if (c == ',')
         fields.emplace_back();
-      else
+      else if (c != '"')
         fields.back() += c;
     rows.push_back(fields);
   }
   return rows;
 }
+
+// What nothing checks has no test.
+double value_of(const std::string& field) { return field.empty() ? std::nan("") : std::stod(field); }
 
 TEST(AdjustProject, ResidualsOfTiePointsAreATableOfAllMeasurements) {
   const TestFolder folder;
@@ -214,16 +217,16 @@ TEST(AdjustProject, ResidualsOfTiePointsAreATableOfAllMeasurements) {
       const Observation& one = block.observations[i - 1];
       EXPECT_EQ(row[0], block.images.at(one.image).file);
       EXPECT_EQ(row[1], std::to_string(one.point.value));
-      EXPECT_NEAR(std::stod(row[2]), one.pixel.x(), 1e-4);
+      EXPECT_NEAR(value_of(row[2]), one.pixel.x(), 1e-4);
       rejected += row[13] == "gross_error";
       if (row[13] != "used" && row[13] != "suspected") continue;
       ++used;
-      redundancy += std::stod(row[7]) + std::stod(row[8]);
+      redundancy += value_of(row[7]) + value_of(row[8]);
       EXPECT_EQ(row[13] == "suspected",
-                std::max(std::abs(std::stod(row[9])), std::abs(std::stod(row[10]))) > std::stod(row[11]));
-      if (done->adjusted.tie_loss.kind == Loss::kNone) {
-        const double sigma = done->adjusted.sigma0 * one.sigma_px * std::sqrt(std::stod(row[7]));
-        EXPECT_NEAR(std::stod(row[9]), std::stod(row[5]) / sigma, 1e-3 * (1 + std::abs(std::stod(row[9]))));
+                std::fmax(std::abs(value_of(row[9])), std::abs(value_of(row[10]))) > value_of(row[11]));
+      if (done->adjusted.tie_loss.kind == Loss::kNone && !row[9].empty()) {
+        const double sigma = done->adjusted.sigma0 * one.sigma_px * std::sqrt(value_of(row[7]));
+        EXPECT_NEAR(value_of(row[9]), value_of(row[5]) / sigma, 1e-3 * (1 + std::abs(value_of(row[9]))));
         EXPECT_EQ(row[12], "1");
       }
     }
@@ -237,18 +240,18 @@ TEST(AdjustProject, ResidualsOfTiePointsAreATableOfAllMeasurements) {
         bool found = false;
         for (const auto& row : rows)
           found |= row[1] == std::to_string(one.point.value) && row[0] == done->block.images.at(one.image).file &&
-                   std::abs(std::stod(row[std::size_t(9 + suspect.axis)]) - suspect.w) < 1e-4 * std::abs(suspect.w);
+                   std::abs(value_of(row[std::size_t(9 + suspect.axis)]) - suspect.w) < 1e-4 * std::abs(suspect.w);
         EXPECT_TRUE(found);
       }
     const std::vector<std::string>& wrong = rows[spoilt + 1];
     EXPECT_EQ(wrong[13], snoop ? "gross_error" : "suspected");
-    EXPECT_GT(std::abs(std::stod(wrong[5])), 25 * block.observations[spoilt].sigma_px);
+    EXPECT_GT(std::abs(value_of(wrong[5])), 25 * block.observations[spoilt].sigma_px);
     if (snoop) {
       EXPECT_GE(rejected, 1u);
       EXPECT_EQ(wrong[12], "0");
       EXPECT_EQ(wrong[9], "");
     } else {
-      EXPECT_LT(std::stod(wrong[12]), 0.3);
+      EXPECT_LT(value_of(wrong[12]), 0.3);
     }
   }
   ASSERT_TRUE(try_adjustment(*project, {.systematics = Systematics::kNone}, folder / "trial"));
@@ -311,7 +314,8 @@ TEST(AdjustProject, PointsOfTheDatumOfAFreeNetworkAreChosenByName) {
   // A complete datum says that the choice has no effect.
   const auto fixed = try_adjustment(
       *project, {.datum_points = names[0], .snoop = false, .systematics = Systematics::kNone}, folder / "trial");
-  if (fixed) EXPECT_FALSE(report_in(folder / "trial").at("datum_points").at("have_effect").get<bool>());
+  ASSERT_TRUE(fixed) << fixed.error().message;
+  EXPECT_FALSE(report_in(folder / "trial").at("datum_points").at("have_effect").get<bool>());
 }
 
 TEST(AdjustProject, RefusesOptionsOutOfRange) {
