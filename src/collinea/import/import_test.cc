@@ -389,7 +389,7 @@ TEST(ImportControl, RowsThatCannotBeUsedAreNamed) {
   const auto imported = import_with_control(kControl + R"(image, A, IMG_1.jpg, 10, 20
 image, A, IMG_2.jpg, 500, 20
 image, B, IMG_9.jpg, 10, 20
-image, B, IMG_9.jpg, 11, 20
+image, A, IMG_9.jpg, 11, 20
 )");
   ASSERT_TRUE(imported) << imported.error().message;
   EXPECT_EQ(imported->block.control_observations.size(), 1u);

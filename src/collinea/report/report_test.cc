@@ -92,7 +92,7 @@ TEST_F(ReportTest, WhatMattersStandsAboveWhatHardlyMovesAnything) {
   input.spelling = [](const OptionName& option) { return "<flag " + option.name + ">"; };
   ASSERT_TRUE(write_report(input, folder_));
   const std::string html = page();
-  const auto wrong = html.find("m off the control"), weak = html.find("&lt;flag calibration&gt;"),
+  const auto wrong = html.find("contradicts the control points"), weak = html.find("&lt;flag calibration&gt;"),
              note = html.find("&lt;flag additional&gt;");
   ASSERT_NE(wrong, std::string::npos);
   ASSERT_NE(weak, std::string::npos);
@@ -187,7 +187,7 @@ TEST_F(ReportTest, AnEmptyProjectStillHasAReport) {
 TEST_F(ReportTest, WithoutCheckPointsNothingIsStatedToBeVerified) {
   ReportInput input = report_of_test_flight(2, 4, 100);
   for (ControlDifference& control : input.control) control.used = true;
-  EXPECT_TRUE(contains(summary_of(input).statement, "not verified independently"));
+  EXPECT_TRUE(contains(summary_of(input).statement, "nothing independent verifies the accuracy"));
   input.control.clear();
   EXPECT_TRUE(contains(summary_of(input).statement, "positions of the cameras alone"));
   input.georeferenced = input.metric = false;
