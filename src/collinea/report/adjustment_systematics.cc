@@ -45,6 +45,10 @@ std::string verdict_of(const std::vector<SystematicTest>& tests, const Systemati
   return "shadow of " + systematic_name(subject_of(tests[*test.explained_by]), block);
 }
 
+std::string chance_cell(double chance) {
+  return chance < 1e-99 ? "<td>&lt; 1e-99</td>" : fmt::format("<td>{:.2g}</td>", chance);
+}
+
 std::string table_of(const AdjustmentReport& report) {
   const std::vector<SystematicTest>& tests = report.adjusted.systematics;
   std::string html =
@@ -52,10 +56,10 @@ std::string table_of(const AdjustmentReport& report) {
       "accident</th><th>corrected for all tests</th><th>changes points by at most [m]</th><th>&sigma; of these</th><th "
       "class=\"l\">significant</th></tr></thead><tbody>\n";
   for (const SystematicTest& test : tests)
-    html +=
-        "<tr>" + text_cell(systematic_name(subject_of(test), report.block), "l w") + text_cell(values_of(test), "l w") +
-        fmt::format("<td>{:.2g}</td><td>{:.2g}</td>", test.p_value, test.p_corrected) + cell(test.ground_change_m, 3) +
-        cell(test.ground_change_sigmas, 1) + text_cell(verdict_of(tests, test, report.block), "l w") + "</tr>\n";
+    html += "<tr>" + text_cell(systematic_name(subject_of(test), report.block), "l w") +
+            text_cell(values_of(test), "l w") + chance_cell(test.p_value) + chance_cell(test.p_corrected) +
+            cell(test.ground_change_m, 3) + cell(test.ground_change_sigmas, 1) +
+            text_cell(verdict_of(tests, test, report.block), "l w") + "</tr>\n";
   return html + "</tbody></table>\n";
 }
 
@@ -98,7 +102,8 @@ std::string systematic_section(const AdjustmentReport& report) {
   if (!named.empty() || !report.taken_up.empty()) html += "<ul>";
   for (const Finding& finding : report.taken_up) html += "<li>" + escaped(what_of(finding, report.block)) + "</li>\n";
   for (const Finding& finding : named)
-    html += "<li>" + escaped(what_of(finding, report.block)) + "<br>Remedy: " + escaped(remedy_of(finding)) + "</li>\n";
+    html += "<li>" + escaped(what_of(finding, report.block)) +
+            "<br>Remedy: " + escaped(remedy_of(finding, report.spelling)) + "</li>\n";
   if (!named.empty() || !report.taken_up.empty()) html += "</ul>\n";
   if (!report.adjusted.systematics.empty())
     html +=
