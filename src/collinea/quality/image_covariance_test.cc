@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "collinea/quality/internal/test_examine.h"
-#include "collinea/quality/test_flight.h"
 #include "collinea/quality/systematics.h"
+#include "collinea/quality/test_flight.h"
 
 namespace collinea::testing {
 namespace {

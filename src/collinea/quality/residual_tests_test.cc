@@ -10,8 +10,8 @@
 
 #include "collinea/quality/internal/image_order.h"
 #include "collinea/quality/internal/test_examine.h"
-#include "collinea/quality/test_flight.h"
 #include "collinea/quality/internal/tie_marginal.h"
+#include "collinea/quality/test_flight.h"
 
 namespace collinea {
 namespace {
