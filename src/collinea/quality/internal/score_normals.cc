@@ -7,17 +7,13 @@
 #include "collinea/adjust/block_motion.h"
 #include "collinea/adjust/observation_kinds.h"
 #include "collinea/base/parallel.h"
+#include "collinea/math/row_kernels.h"
 #include "collinea/quality/internal/point_cofactor.h"
 
 namespace collinea::bundle {
 namespace {
 
 constexpr std::size_t kChunks = 8;  // of points, summed up in their order
-
-// x += factor y
-void add_times(double* x, const double* y, double factor, int count) {
-  for (int k = 0; k < count; ++k) x[k] += factor * y[k];
-}
 
 // A' P v of observations that are no image points.
 class RightSide final : public ObservationSink {
@@ -75,8 +71,8 @@ struct ScoreNormals::RayColumns {
   void add_to(double* row, double a, double b) const {
     const Whitening& whitening = linear.whitening;
     const bool is_plain = whitening.is_plain();
-    add_times(row + first, phi, is_plain ? a : a - whitening.of_column * b, functions);
-    add_times(row + first + functions, phi, is_plain ? b : whitening.of_row * b, functions);
+    add_multiple(row + first, phi, is_plain ? a : a - whitening.of_column * b, functions);
+    add_multiple(row + first + functions, phi, is_plain ? b : whitening.of_row * b, functions);
     for (int k = 0; k < other_count; ++k) row[others[k].column] += a * others[k].value[0] + b * others[k].value[1];
   }
 };
@@ -175,9 +171,9 @@ void ScoreNormals::add_shape(Chunk& chunk, const RayColumns& ray) {
   for (int k = 0; k < n; ++k) {
     double* of_column = chunk.gram.row(ray.first + k).data();
     double* of_row = chunk.gram.row(ray.first + n + k).data();
-    add_times(of_column + ray.first, ray.phi, a * a * ray.phi[k], n);
-    add_times(of_row + ray.first, ray.phi, -a * b * ray.phi[k], n);
-    add_times(of_row + ray.first + n, ray.phi, (b * b - 1) * ray.phi[k], n);
+    add_multiple(of_column + ray.first, ray.phi, a * a * ray.phi[k], n);
+    add_multiple(of_row + ray.first, ray.phi, -a * b * ray.phi[k], n);
+    add_multiple(of_row + ray.first + n, ray.phi, (b * b - 1) * ray.phi[k], n);
   }
 }
 
@@ -187,7 +183,7 @@ void ScoreNormals::add_ray(Chunk& chunk, const RayColumns& ray, int image) const
   // Squares and products of the columns.
   if (ray.slot >= 0) {
     Eigen::MatrixXd& squares = chunk.functions[static_cast<std::size_t>(ray.slot)];
-    for (int k = 0; k < n; ++k) add_times(squares.data() + k * n, ray.phi, ray.phi[k], n);
+    for (int k = 0; k < n; ++k) add_multiple(squares.data() + k * n, ray.phi, ray.phi[k], n);
     if (!linear.whitening.is_plain()) add_shape(chunk, ray);
   }
   for (int k = 0; k < ray.other_count; ++k)
@@ -230,8 +226,8 @@ void ScoreNormals::add_point(Chunk& chunk, std::size_t p) const {
   if (point.first_retained < 0) return eliminate(chunk, normals);
   for (int c = 0; c < 3; ++c)
     for (const Segment& segment : chunk.segments)
-      add_times(chunk.right.row(6 * problem_.poses + point.first_retained + c).data() + segment.first,
-                chunk.by_point.row(c).data() + segment.first, 1, segment.count);
+      add_multiple(chunk.right.row(6 * problem_.poses + point.first_retained + c).data() + segment.first,
+                   chunk.by_point.row(c).data() + segment.first, 1, segment.count);
 }
 
 // Surveyed coordinates: the bowl in their height, and their residuals.
@@ -265,7 +261,8 @@ void ScoreNormals::eliminate(Chunk& chunk, PointNormals normals) const {
   const auto subtract = [&](double* row, const double* z, int below) {
     for (const Segment& s : chunk.segments) {
       const int end = std::min(s.first + s.count, below);
-      for (int k = s.first; k < end; ++k) row[k] -= z[0] * y[0][k] + z[1] * y[1][k] + z[2] * y[2][k];
+      const double* const its[3] = {y[0] + s.first, y[1] + s.first, y[2] + s.first};
+      if (end > s.first) subtract_multiples(row + s.first, its, z, end - s.first);
     }
   };
   for (const Segment& s : chunk.segments)
