@@ -46,7 +46,7 @@ class Examination {
   [[nodiscard]] Result<> examine_determined(TileCholesky& factor) {
     out_.conditioning = conditioning_of(solved_, factor, run_);
     weaknesses_.look_at_correlations(factor);
-    const FreeNetwork free_network(solved_, factor, options_.datum);
+    const FreeNetwork free_network(solved_, factor, options_.datum, run_);
     if (!options_.datum.empty() && !free_network.has_datum_of_points())
       return fail(
           Errc::kIllPosed,

@@ -7,8 +7,14 @@
 #include <utility>
 
 #include "collinea/adjust/block_motion.h"
+#include "collinea/base/parallel.h"
 
 namespace collinea::bundle {
+namespace {
+
+constexpr std::size_t kAtOnce = 4096;  // points
+
+}  // namespace
 
 Eigen::MatrixXd FreeNetwork::of_position(const Part& part, const Eigen::Vector3d& position) const {
   return part.size * motion_of(position, part.centre, part.size) * part.motions;
@@ -67,7 +73,7 @@ bool FreeNetwork::find_inverse(Part& part) const {
   return true;
 }
 
-FreeNetwork::FreeNetwork(const Solved& solved, const TileCholesky& factor, DatumPoints chosen)
+FreeNetwork::FreeNetwork(const Solved& solved, const TileCholesky& factor, DatumPoints chosen, const Run& run)
     : problem_(solved.problem()), state_(solved.state()), chosen_(std::move(chosen)) {
   std::map<int, std::vector<const DatumConstraint*>> defects;
   for (const DatumConstraint& unseen : problem_.datum) defects[unseen.part].push_back(&unseen);
@@ -89,11 +95,11 @@ FreeNetwork::FreeNetwork(const Solved& solved, const TileCholesky& factor, Datum
     return std::find(without.begin(), without.end(), part.number) != without.end();
   });
   parts_without_ = without.size();
-  for (Part& part : parts_) add_points(part, factor);
+  for (Part& part : parts_) add_points(part, factor, run);
 }
 
 // What the points of the datum do together.
-void FreeNetwork::add_points(Part& part, const TileCholesky& factor) {
+void FreeNetwork::add_points(Part& part, const TileCholesky& factor, const Run& run) {
   const Eigen::Index count = part.motions.cols();
   part.with_motions.setZero(static_cast<Eigen::Index>(factor.tile_rows()) * kTile, count);
   part.variance.setZero(count, count);
@@ -105,17 +111,22 @@ void FreeNetwork::add_points(Part& part, const TileCholesky& factor) {
       continue;
     }
     const PointSystem system(problem_, state_, p);
-    for (Eigen::Index k = 0; k < count; ++k) {
-      Eigen::VectorXd column = part.with_motions.col(k);
-      system.add_following(g.col(k), column);
-      part.with_motions.col(k) = column;
-    }
+    for (Eigen::Index k = 0; k < count; ++k) system.add_following(g.col(k), part.with_motions.col(k));
   }
   for (Eigen::Index k = 0; k < count; ++k) factor.solve(part.with_motions.col(k).data());
-  for (std::size_t p = 0; p < problem_.point_count(); ++p)
-    if (in_datum(part, p))
-      part.variance +=
-          of_position(part, position_of(p)).transpose() * with_motions(part, p, PointSystem(problem_, state_, p));
+  std::vector<Eigen::MatrixXd> variances(std::min(kAtOnce, problem_.point_count()));
+  for (std::size_t first = 0; first < problem_.point_count(); first += kAtOnce) {
+    const std::size_t some = std::min(kAtOnce, problem_.point_count() - first);
+    parallel_for(run, some, [&](std::size_t i) {
+      const std::size_t p = first + i;
+      if (in_datum(part, p))
+        variances[i] =
+            of_position(part, position_of(p)).transpose() * with_motions(part, p, PointSystem(problem_, state_, p));
+    });
+    if (run.stopped()) return;
+    for (std::size_t i = 0; i < some; ++i)
+      if (in_datum(part, first + i)) part.variance += variances[i];
+  }
 }
 
 // The covariance of a point with the motion of the points.

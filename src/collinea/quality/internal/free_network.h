@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "collinea/adjust/solved.h"
+#include "collinea/base/run.h"
 #include "collinea/math/tile_cholesky.h"
 #include "collinea/quality/datum_points.h"
 #include "collinea/quality/internal/point_cofactor.h"
@@ -24,7 +25,7 @@ class FreeNetwork {
  public:
   /// At most seven solutions for each unconnected part. `chosen`: the points of the datum in the place of all tie
   /// points; a part whose motions these do not tell stays in the datum of the images.
-  FreeNetwork(const Solved& solved, const TileCholesky& factor, DatumPoints chosen = {});
+  FreeNetwork(const Solved& solved, const TileCholesky& factor, DatumPoints chosen = {}, const Run& run = {});
 
   /// Every part that something leaves free has the datum of points: of those chosen, or of its own.
   [[nodiscard]] bool has_datum_of_points() const { return parts_without_ == 0; }
@@ -62,7 +63,7 @@ class FreeNetwork {
   [[nodiscard]] const Part* part_with(std::size_t point) const;
   [[nodiscard]] bool in_datum(const Part& part, std::size_t point) const;
   [[nodiscard]] bool find_inverse(Part& part) const;
-  void add_points(Part& part, const TileCholesky& factor);
+  void add_points(Part& part, const TileCholesky& factor, const Run& run);
   [[nodiscard]] Eigen::MatrixXd with_motions(const Part& part, std::size_t point, const PointSystem& system) const;
   static void transform(const Part& part, const Eigen::MatrixXd& moved, const Eigen::MatrixXd& with_motions,
                         Eigen::Ref<Eigen::MatrixXd> covariance);

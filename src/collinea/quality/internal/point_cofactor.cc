@@ -119,7 +119,7 @@ Eigen::Vector3d PointSystem::follow(const double* reduced) const {
   return moved;
 }
 
-void PointSystem::add_following(const Eigen::Vector3d& direction, Eigen::VectorXd& by_reduced) const {
+void PointSystem::add_following(const Eigen::Vector3d& direction, Eigen::Ref<Eigen::VectorXd> by_reduced) const {
   Eigen::Vector3d forward = direction;  // L^-1 direction
   normals_.forward(forward.data());
   for (const Group& group : groups_)

@@ -36,7 +36,7 @@ class PointSystem {
   /// diagonal blocks of the hat matrix, A N^-1 A' P.
   [[nodiscard]] std::vector<Eigen::Matrix2d> leverages(TileCholesky& inverse) const;
   /// Adds to `by_reduced` how the point follows the reduced unknowns along a direction: -direction' L^-T Z'.
-  void add_following(const Eigen::Vector3d& direction, Eigen::VectorXd& by_reduced) const;
+  void add_following(const Eigen::Vector3d& direction, Eigen::Ref<Eigen::VectorXd> by_reduced) const;
   /// The point's position relative to a pose of its rays along a direction: its variance, and its product with `vector`
   /// (of all reduced unknowns).
   struct Relative {
