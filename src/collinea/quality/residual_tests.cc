@@ -325,7 +325,7 @@ Finding finding_of_test(const ResidualTest& test) {
     finding.remedies = {OptionName{"time_offset", ""}, OptionName{"position_shift", "", "strips"},
                         OptionName{"position_drift", ""}};
   else if (finding.code == FindingCode::kImageResidualsAlike)
-    finding.remedies = {OptionName{"additional", "", "gruen"}, RemedyCode::kHoldStill};
+    finding.remedies = {RemedyCode::kSeeAdjustment, RemedyCode::kHoldStill};
   else if (test.series == Series::kPositions)
     finding.remedies = {OptionName{"loss", "", "huber"}, RemedyCode::kSeeAdjustment};
   else
