@@ -82,8 +82,8 @@ GrossGeodetic gross_geodetic(const Block& block, double part) {
   return found;
 }
 
-double known_part(const Block& block, const std::set<ControlId>& control) {
-  if (control.size() < 3) return kMostPart;
+double known_part(const Block& block, const std::set<ControlId>& control, double rotation_rad) {
+  if (control.size() < 3) return std::max(kMostPart, kBeyond * rotation_rad);
   Eigen::Vector3d low = block.control.at(*control.begin()).position_in_world, high = low;
   double sigma_m = 0;
   for (const ControlId id : control) {
@@ -93,7 +93,7 @@ double known_part(const Block& block, const std::set<ControlId>& control) {
     for (const double its : point.sigma_m)
       if (std::isfinite(its)) sigma_m = std::max(sigma_m, its);
   }
-  return std::clamp(kSpread * sigma_m / (high - low).norm(), kLeastPart, kMostPart);
+  return std::max(kLeastPart, kSpread * sigma_m / (high - low).norm());
 }
 
 }  // namespace collinea

@@ -204,10 +204,11 @@ Placement placed_locally(Reconstruction& part, const GivenOrientation* given, Pl
 // What was measured on the ground takes part in the world, less what cannot be there.
 void check_geodetic(Reconstruction& part, Placement& placed) {
   if (!placed.georeferenced || !placed.scope.use_geodetic || part.setup().geodetic.empty()) return;
+  if (!placed.scope.verticals.empty()) return;  // the block is level by its images: heights on the ground know better
   const Block block = part.block();
   const bool by_control = placed.gauge.by_control;
-  const GrossGeodetic found =
-      gross_geodetic(block, known_part(block, by_control ? placed.in_datum : std::set<ControlId>{}));
+  const std::set<ControlId> control = by_control ? placed.in_datum : std::set<ControlId>{};
+  const GrossGeodetic found = gross_geodetic(block, known_part(block, control, rotation_sigma_rad(block, 1)));
   if (found.excluded.empty()) return;
   leave_out_geodetic(part, found.excluded, placed);
   add(placed, found.findings);

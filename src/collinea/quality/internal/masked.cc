@@ -179,10 +179,6 @@ class MaskedSearch {
   const Block& block_;
 };
 
-}  // namespace
-
-namespace {
-
 // The gross errors of what went, in a system of the healed block.
 JointSystem with_gross_errors_of(JointSystem system, const Remaining& remaining,
                                  const std::vector<std::size_t>& indices, const Block& block) {
