@@ -85,8 +85,9 @@ void predict_control_points(const Solved& solved, TileCholesky& inverse, const F
       its->difference_sigma_m.setZero();
       continue;
     }
-    const Eigen::Matrix3d covariance = PointSystem(problem, state, p).covariance(inverse);
-    const Eigen::Matrix3d in_datum = its->covariance_m2.emplace(free_network.of_point(covariance, p));
+    const PointSystem system(problem, state, p);
+    const Eigen::Matrix3d covariance = system.covariance(inverse);
+    const Eigen::Matrix3d in_datum = its->covariance_m2.emplace(free_network.of_point(covariance, system, p));
     const ControlCoordinates& given = problem.control[point.control];
     const Eigen::Matrix3d survey = inverse_weight(given), by_survey = covariance * given.weight() * covariance;
     for (int axis = 0; axis < 3; ++axis) {

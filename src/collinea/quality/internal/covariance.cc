@@ -84,8 +84,8 @@ std::vector<Eigen::Matrix3d> point_covariances(const Solved& solved,
   std::vector<Eigen::Matrix3d> covariances(points.size());
   parallel_for(run, problem.point_count(), [&](std::size_t p) {
     if (problem.point(p).is_fixed || problem.point(p).control >= 0) return;
-    covariances[index.at(PointId{problem.point(p).id})] =
-        free_network.of_point(bundle::PointSystem(problem, solved.state(), p).covariance(inverse), p);
+    const bundle::PointSystem system(problem, solved.state(), p);
+    covariances[index.at(PointId{problem.point(p).id})] = free_network.of_point(system.covariance(inverse), system, p);
   });
   return covariances;
 }

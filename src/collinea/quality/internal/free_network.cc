@@ -164,12 +164,12 @@ Vector6d FreeNetwork::with_pose(const Vector6d& covariance, int row, int pose) c
   return covariance - of_image(*part, pose) * (part->inverse * part->with_motions.row(row).transpose());
 }
 
-Eigen::Matrix3d FreeNetwork::of_point(const Eigen::Matrix3d& covariance, std::size_t point) const {
+Eigen::Matrix3d FreeNetwork::of_point(const Eigen::Matrix3d& covariance, const PointSystem& system,
+                                      std::size_t point) const {
   const Part* part = part_with(point);
   if (!part) return covariance;
   Eigen::MatrixXd transformed = covariance;
-  transform(*part, of_position(*part, position_of(point)),
-            with_motions(*part, point, PointSystem(problem_, state_, point)), transformed);
+  transform(*part, of_position(*part, position_of(point)), with_motions(*part, point, system), transformed);
   return transformed;
 }
 

@@ -35,8 +35,9 @@ class FreeNetwork {
   /// Covariance of one of the global parameters that no motion of the whole changes (of a camera), `row` of the reduced
   /// unknowns, with [rotation in the world, centre]. Its own variance is the same in every datum.
   [[nodiscard]] Vector6d with_pose(const Vector6d& covariance, int row, int pose) const;
-  /// Covariance of a tie point or a control point.
-  [[nodiscard]] Eigen::Matrix3d of_point(const Eigen::Matrix3d& covariance, std::size_t point) const;
+  /// Covariance of a tie point or a control point, of which the system is.
+  [[nodiscard]] Eigen::Matrix3d of_point(const Eigen::Matrix3d& covariance, const PointSystem& system,
+                                         std::size_t point) const;
   /// Covariance of a point that takes no part, by its rays in these poses (-1: an exact image).
   [[nodiscard]] Eigen::Matrix3d of_check_point(const Eigen::Matrix3d& covariance, const PointSystem& system,
                                                const Eigen::Vector3d& position, const std::vector<int>& poses) const;

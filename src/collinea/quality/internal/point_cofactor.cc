@@ -3,10 +3,13 @@
 
 #include <algorithm>
 
+#include "collinea/math/few.h"
+
 namespace collinea::bundle {
 
 PointSystem::PointSystem(const Problem& problem, const State& state, std::size_t p) : problem_(problem) {
   const ProblemPoint& point = problem.point(p);
+  rays_.reserve(problem.end_ray(p) - point.first_ray);
   for (std::uint32_t r = point.first_ray; r < problem.end_ray(p); ++r) {
     const Ray& ray = problem.rays[r];
     LinearRay linear;
@@ -17,6 +20,31 @@ PointSystem::PointSystem(const Problem& problem, const State& state, std::size_t
         point.first_retained);
 }
 
+namespace {
+
+// Elements of the lower triangle: neighbours lie in one tile, which is then looked up once.
+class ElementReader {
+ public:
+  explicit ElementReader(TileCholesky& matrix) : matrix_(matrix) {}
+
+  double at(int row, int column) {
+    const int tile_row = row / kTile, tile_column = column / kTile;
+    if (tile_row != tile_row_ || tile_column != tile_column_) {
+      tile_ = &matrix_.at(tile_row * kTile, tile_column * kTile);
+      tile_row_ = tile_row;
+      tile_column_ = tile_column;
+    }
+    return tile_[column % kTile * kTile + row % kTile];
+  }
+
+ private:
+  TileCholesky& matrix_;
+  int tile_row_ = -1, tile_column_ = -1;
+  const double* tile_ = nullptr;
+};
+
+}  // namespace
+
 int PointSystem::group(int row, int count, bool is_pose) {
   for (std::size_t i = 0; i < groups_.size(); ++i)
     if (groups_[i].row == row) return static_cast<int>(i);
@@ -26,7 +54,7 @@ int PointSystem::group(int row, int count, bool is_pose) {
 }
 
 void PointSystem::add(const LinearRay& linear, int image, const State& state) {
-  Measured ray;
+  Measured& ray = rays_.emplace_back();
   const Eigen::Map<const Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> a(linear.by_point), rotation(linear.by_rotation);
   ray.by_point = a;
   normals_.add(linear);
@@ -44,7 +72,6 @@ void PointSystem::add(const LinearRay& linear, int image, const State& state) {
       ray.by_camera = Eigen::Map<const Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::RowMajor>>(b, 2, count);
     }
   }
-  rays_.push_back(ray);
 }
 
 void PointSystem::close(bool is_fixed, const ControlCoordinates* control, const double* position, int first_retained) {
@@ -76,6 +103,7 @@ bool PointSystem::determined() const {
 // not eliminated tie no poses to each other, and need nothing between them.
 Eigen::MatrixXd PointSystem::local(TileCholesky& inverse) const {
   Eigen::MatrixXd q(width_, width_);
+  ElementReader reader(inverse);
   for (std::size_t a = 0; a < groups_.size(); ++a)
     for (std::size_t b = 0; b <= a; ++b) {
       const bool swap = groups_[a].row < groups_[b].row;
@@ -89,7 +117,7 @@ Eigen::MatrixXd PointSystem::local(TileCholesky& inverse) const {
       else
         for (int c = 0; c < high.count; ++c)
           for (int r = 0; r < low.count; ++r)
-            out(r, c) = inverse.at(std::max(low.row + r, high.row + c), std::min(low.row + r, high.row + c));
+            out(r, c) = reader.at(std::max(low.row + r, high.row + c), std::min(low.row + r, high.row + c));
       if (a != b) q.block(high.first, low.first, high.count, low.count) = out.transpose();
     }
   return q;
@@ -172,6 +200,12 @@ std::vector<Eigen::Matrix2d> PointSystem::leverages(TileCholesky& inverse) const
   const Eigen::Matrix<double, Eigen::Dynamic, 3> qz = q * z_;
   const Eigen::Matrix3d own = Eigen::Matrix3d::Identity() + z_.transpose() * qz;
   std::vector<Eigen::Matrix2d> all;
+  all.reserve(rays_.size());
+  struct Part {
+    const Group* group = nullptr;
+    Design design;
+  };
+  Few<Part, 3> parts;
   for (const Measured& ray : rays_) {
     Eigen::Matrix<double, 2, 3> c = ray.by_point;
     for (int row = 0; row < 2; ++row) {
@@ -180,14 +214,10 @@ std::vector<Eigen::Matrix2d> PointSystem::leverages(TileCholesky& inverse) const
       c.row(row) = forward;
     }
     if (!eliminated_) c.setZero();
-    struct Part {
-      const Group* group;
-      Design design;
-    };
-    std::vector<Part> parts;
-    if (ray.pose >= 0) parts.push_back({&groups_[ray.pose], ray.by_pose});
-    if (ray.camera >= 0) parts.push_back({&groups_[ray.camera], ray.by_camera});
-    if (retained_group_ >= 0) parts.push_back({&groups_[retained_group_], ray.by_point});
+    parts.count = 0;
+    if (ray.pose >= 0) parts.add({&groups_[ray.pose], ray.by_pose});
+    if (ray.camera >= 0) parts.add({&groups_[ray.camera], ray.by_camera});
+    if (retained_group_ >= 0) parts.add({&groups_[retained_group_], ray.by_point});
     Eigen::Matrix2d leverage = c * own * c.transpose();
     for (const Part& one : parts) {
       const Eigen::Matrix2d mixed = one.design * qz.middleRows(one.group->first, one.group->count) * c.transpose();

@@ -34,7 +34,7 @@ std::vector<PointPrecision> point_precisions(const Solved& solved, const bundle:
     Eigen::Matrix3d own;
     for (int axis = 0; axis < 3; ++axis) own.col(axis) = system.solve_own(Eigen::Vector3d::Unit(axis));
     precisions[i] = {Eigen::Vector3d(state.points[3 * p], state.points[3 * p + 1], state.points[3 * p + 2]),
-                     free_network.of_point(system.covariance(inverse), p) - own};
+                     free_network.of_point(system.covariance(inverse), system, p) - own};
   });
   return precisions;
 }
