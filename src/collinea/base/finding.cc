@@ -67,6 +67,7 @@ constexpr CodeRow kCodes[] = {
     {C::kControlSigmaPlan, "control_sigma_plan", kWeak, F::kRatio, F::kSigma},
     {C::kControlSigmaHeight, "control_sigma_height", kWeak, F::kRatio, F::kSigma},
     {C::kPositionsShifted, "positions_shifted", kNote, F::kEast, F::kNorth, F::kUp},
+    {C::kPositionOutweighs, "position_outweighs", kWrong, F::kOffset, F::kSigma},
     {C::kDistancesContradict, "distances_contradict", kWrong, F::kRelative},
     {C::kDistanceWrong, "distance_wrong", kWrong, F::kRelative, F::kDifference},
     {C::kGeodeticDiffers, "geodetic_differs", kWrong, F::kDifference, F::kRatio},

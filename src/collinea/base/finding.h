@@ -69,6 +69,7 @@ enum class FindingCode : std::uint8_t {
   kControlSigmaPlan,         ///< coordinates of control are worse than stated
   kControlSigmaHeight,
   kPositionsShifted,      ///< positions were shifted to the control
+  kPositionOutweighs,     ///< one that contradicts the others and would outweigh them; excluded
   kDistancesContradict,   ///< two distances, and nothing tells which is wrong
   kDistanceWrong,         ///< a distance contradicts the others; excluded
   kGeodeticDiffers,       ///< a geodetic observation differs from the block beyond its sigma

@@ -10,6 +10,7 @@
 #include "collinea/orient/internal/block_parts.h"
 #include "collinea/orient/internal/control_adjustment.h"
 #include "collinea/orient/internal/incremental.h"
+#include "collinea/orient/internal/outweighing_positions.h"
 #include "collinea/orient/internal/placement.h"
 #include "collinea/orient/internal/usable_instruments.h"
 #include "collinea/orient/internal/weak_cases.h"
@@ -172,11 +173,23 @@ void finish(const Reconstruction& part, Orientation& result) {
         {{FigureName::kCount, static_cast<double>(result.alone.size())}});
 }
 
+// Positions that would outweigh all others take no part.
+void leave_out_outweighing(Reconstruction& part, std::uint64_t seed, Orientation& result) {
+  const OutweighingPositions found = outweighing_positions(part.block(), seed);
+  if (found.images.empty()) return;
+  Block setup = part.setup();
+  for (const ImageId image : found.images) setup.images.at(image).position.reset();
+  part.set_setup(std::move(setup));
+  result.excluded_positions = found.images;
+  add(result, found.findings);
+}
+
 // A begun block adjusted by itself, placed, adjusted with all observations and judged.
 Result<Orientation> adjust_in_world(BegunBlock begun, const Sources& sources, const OrientOptions& options,
                                     const Run& run) {
   Reconstruction& part = begun.part;
   Orientation result = std::move(begun.result);
+  if (part.setup().georeference && options.use_positions) leave_out_outweighing(part, run.seed, result);
   COLLINEA_TRY(const SettledPart settled, settle_alone(part, begun.in_world, sources, options, run));
   result.gross_measurements = settled.gross_measurements;
   add(result, settled.findings);

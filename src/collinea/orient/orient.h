@@ -33,6 +33,7 @@ struct Orientation {
   std::vector<Finding> findings;                  ///< gross errors in control among them
   std::set<ControlId> excluded_control;           ///< control points that were found wrong and not used
   std::set<std::size_t> excluded_geodetic;        ///< the same of Block::geodetic
+  std::vector<ImageId> excluded_positions;        ///< images whose positions would outweigh all others
   SigmaFactors sigma_factors = as_given();    ///< what the given sigmas were multiplied by: control's, by what it shows
   Eigen::Vector3d position_shift_m{0, 0, 0};  ///< by which positions were moved to where control puts the block
   InstrumentOptions instruments;              ///< those of the options that took part

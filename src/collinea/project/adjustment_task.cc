@@ -96,6 +96,7 @@ Result<ProjectAdjustment> adjustment_of(const Project& project, const Adjustment
                 .use_check_rays = asked.check_rays.value_or(false)};
   if (orientation.holds_given_poses)
     for (const auto& [image, pose] : oriented_images(task.block)) task.scope.fixed_images.insert(image);
+  for (const ImageId image : orientation.excluded_positions) task.block.images.at(image).position.reset();
   take_control(project, asked, setup, result, task.block);
   choose_geodetic(task.block, orientation, asked.use_geodetic && !orientation.holds_given_poses);
   COLLINEA_TRY(add_instruments(task.block, task.instruments, task.scope));

@@ -151,6 +151,7 @@ struct OrientationRecord {
   std::vector<ControlId> used_for_datum;          ///< control that fixed where poses of another program lie
   std::vector<ControlId> excluded_control;        ///< found wrong, and not used
   std::vector<std::uint32_t> excluded_geodetic;   ///< the same: indices in Block::geodetic
+  std::vector<ImageId> excluded_positions;        ///< would outweigh all others
   std::vector<Finding> findings;
 
   /// Ground size of a pixel; nothing without a scale.
@@ -182,6 +183,7 @@ struct OrientationRecord {
     visit("used_for_datum", &R::used_for_datum);
     visit("excluded_control", &R::excluded_control);
     visit("excluded_geodetic", &R::excluded_geodetic);
+    visit("excluded_positions", &R::excluded_positions);
     visit("findings", &R::findings);
   }
 };

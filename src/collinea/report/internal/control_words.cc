@@ -191,6 +191,11 @@ std::string words_of_positions(const FindingWords& w) {
           "{:+.2f} m north and {:+.2f} m up: control decides the position of the block. Their "
           "differences are stated without this shift.",
           w[F::kEast], w[F::kNorth], w[F::kUp]);
+    case C::kPositionOutweighs:
+      return fmt::format(
+          "The position of {} lies {:.1f} m from where the others put it. With its sigma of {:.3g} m it would outweigh "
+          "them all: it was left out.",
+          w.subject(0), w[F::kOffset], w[F::kSigma]);
     case C::kPositionsUnused:
       return "Positions are not used here, and so no lever arm, shift or time offset of them.";
     case C::kAttitudesUnused:

@@ -34,6 +34,7 @@ OrientationRecord record_of(const Orientation& orientation) {
   record.other_parts = orientation.other_parts;
   record.excluded_control.assign(orientation.excluded_control.begin(), orientation.excluded_control.end());
   record.excluded_geodetic.assign(orientation.excluded_geodetic.begin(), orientation.excluded_geodetic.end());
+  record.excluded_positions = orientation.excluded_positions;
   record.findings = orientation.findings;
   return record;
 }
