@@ -92,6 +92,7 @@ constexpr CodeRow kCodes[] = {
     {C::kLooseImages, "loose_images", kWeak, F::kCount},
     {C::kNoBase, "no_base", kWeak, F::kCount},
     {C::kImagesLeftOut, "images_left_out", kWeak, F::kCount},
+    {C::kMismatchesLeft, "mismatches_left", kWrong, F::kCount, F::kOf, F::kShare},
     {C::kGeodeticLeftOut, "geodetic_left_out", kWeak, F::kCount, F::kOf},
     {C::kWeakImages, "weak_images", kWeak, F::kCount, F::kRatio, F::kSigma, F::kTypicalSigma},
     {C::kInseparable, "inseparable", kWeak, F::kCorrelation},

@@ -94,6 +94,7 @@ enum class FindingCode : std::uint8_t {
   kLooseImages,             ///< images that can move against the others
   kNoBase,                  ///< images from nearly one position
   kImagesLeftOut,           ///< images with too few observations
+  kMismatchesLeft,          ///< measurements of tie points that are of others take part
   kGeodeticLeftOut,         ///< geodetic observations whose points are not determined
   kWeakImages,              ///< images known far worse than the others
   kInseparable,             ///< two unknowns that hardly differ in their effect

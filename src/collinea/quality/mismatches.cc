@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "collinea/base/parallel.h"
+#include "collinea/math/median.h"
 #include "collinea/quality/internal/point_rays.h"
 
 namespace collinea {
@@ -20,6 +21,9 @@ constexpr double kMoreProbableThanNot = 0.5;
 constexpr double kThreeSigmas2 = 2 * 9;   // of the difference of two tests: its variance is 2 (1 - rho)
 constexpr double kManyMismatches = 0.01;  // of the rays: poses may have followed them
 constexpr int kMostRounds = 2;
+constexpr std::size_t kFewestMeasurements = 500;
+constexpr double kFarOff = 10, kLeastSigma = 1e-3;  // robust standard deviations; the least of them, in given ones
+constexpr double kMedianOfTwo = 1.1774;             // median of the length of a normal 2-vector
 
 // A tie point with its rays. What is found of it belongs to it alone.
 struct ExaminedPoint {
@@ -231,6 +235,23 @@ AdjustOptions robust(AdjustOptions options) {
 
 Mismatches find_mismatches(const Solved& solved, double false_alarm, const Run& run) {
   return MismatchFinder(solved, run).find(false_alarm);
+}
+
+std::optional<Finding> mismatches_left(const Block& block, const Adjusted& adjusted) {
+  std::vector<double> sizes;  // in the sigmas given
+  for (std::size_t i = 0; i < adjusted.observations.size(); ++i)
+    if (const double size = adjusted.residuals_px[i].norm(); std::isfinite(size))
+      sizes.push_back(size / block.observations[adjusted.observations[i]].sigma_px);
+  if (sizes.size() < kFewestMeasurements) return std::nullopt;
+  const double limit = kFarOff * std::max(kLeastSigma, median(std::vector(sizes)) / kMedianOfTwo);
+  const auto far = std::ranges::count_if(sizes, [&](double size) { return size > limit; });
+  const double share = static_cast<double>(far) / static_cast<double>(sizes.size());
+  if (share <= kManyMismatches) return std::nullopt;
+  return finding_of(FindingCode::kMismatchesLeft, {},
+                    {{FigureName::kCount, static_cast<double>(far)},
+                     {FigureName::kOf, static_cast<double>(sizes.size())},
+                     {FigureName::kShare, share}},
+                    {OptionName{"reject_mismatches", "adjust", "yes"}});
 }
 
 Result<WithoutMismatches> reject_mismatches(Block block, const AdjustScope& scope, const AdjustOptions& options,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "collinea/adjust/bundle.h"
@@ -57,5 +58,10 @@ struct WithoutMismatches {
 [[nodiscard]] Result<WithoutMismatches> reject_mismatches(Block block, const AdjustScope& scope,
                                                           const AdjustOptions& options, double false_alarm,
                                                           const Run& run);
+
+/// That mismatches are left among the tie points of an adjusted block: more than one measurement of a hundred lies ten
+/// robust standard deviations off and more, where Student's distribution with three degrees of freedom has 0.15.
+/// Nothing with fewer than 500 measurements.
+[[nodiscard]] std::optional<Finding> mismatches_left(const Block& block, const Adjusted& adjusted);
 
 }  // namespace collinea

@@ -211,5 +211,22 @@ TEST(Mismatches, FewPointsAndExactOnesHaveNone) {
   EXPECT_EQ(clean.block.observations.size(), exact.observations.size());
 }
 
+TEST(Mismatches, ThoseThatTakePartAreToldOf) {
+  const auto found_in = [](const Block& block) {
+    const auto adjusted = adjust(block, {}, testing::plain(), {});
+    EXPECT_TRUE(adjusted);
+    return mismatches_left(block, *adjusted);
+  };
+  EXPECT_FALSE(found_in(spoilt_block(0, 0, 1).block));
+  EXPECT_FALSE(found_in(spoilt_block(3, 0, 1).block)) << "long tails are no mismatches";
+  EXPECT_FALSE(found_in(spoilt_block(0, 0.5, 1, 6, 20).block)) << "too few to tell";
+  const Spoilt spoilt = spoilt_block(0, 0.1, 1);
+  const auto found = found_in(spoilt.block);
+  ASSERT_TRUE(found);
+  EXPECT_GT(found->figure(FigureName::kShare).value(), 0.03);
+  EXPECT_LT(found->figure(FigureName::kShare).value(), 0.11);
+  EXPECT_FALSE(found_in(cleaned(spoilt.block).block));
+}
+
 }  // namespace
 }  // namespace collinea

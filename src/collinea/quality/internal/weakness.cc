@@ -19,6 +19,7 @@
 #include "collinea/math/random.h"
 #include "collinea/quality/internal/ground_motion.h"
 #include "collinea/quality/internal/point_cofactor.h"
+#include "collinea/quality/mismatches.h"
 
 namespace collinea::bundle {
 namespace {
@@ -94,6 +95,7 @@ void WeaknessFinder::look_at_observations() {
     add(finding_of(FindingCode::kGeodeticLeftOut, {},
                    {count_of(count), {FigureName::kOf, static_cast<double>(block_.geodetic.size())}},
                    {RemedyCode::kMeasureGroundPoints}));
+  if (auto left = mismatches_left(block_, adjusted_)) add(*std::move(left));
 }
 
 // The variance of the logarithm of a point's distance from the first of its images; infinite where nothing tells it.

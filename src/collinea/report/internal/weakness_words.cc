@@ -143,6 +143,12 @@ std::string words_of_weak_images(const FindingWords& w) {
              "not determined.";
     case C::kImagesLeftOut:
       return "Images cannot be determined: " + w.all() + ". Fewer than three of their points are known elsewhere.";
+    case C::kMismatchesLeft:
+      return fmt::format(
+          "{} of {} measurements of tie points ({:.1f} %) lie more than ten robust standard deviations off: they are "
+          "of "
+          "other points. They bend the block and enlarge sigma0.",
+          w.whole(F::kCount), w.whole(F::kOf), 100 * w[F::kShare]);
     case C::kGeodeticLeftOut:
       return fmt::format(
           "{} of {} measurements on the ground {} no part: too few images show {} points, or these "
