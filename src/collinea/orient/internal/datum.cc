@@ -11,18 +11,6 @@ namespace {
 
 using bundle::PositionPair;
 
-std::vector<PositionPair> position_pairs(const Block& block, std::vector<ImageId>& images) {
-  std::vector<PositionPair> pairs;
-  for (const auto& [id, pose] : oriented_images(block)) {
-    const auto& position = block.images.at(id).position;
-    if (!position || !position->sigma_m.allFinite()) continue;
-    const double sigma = std::sqrt(position->sigma_m.squaredNorm() / 3);
-    pairs.push_back({centre_of(pose), position->position_in_world, sigma});
-    images.push_back(id);
-  }
-  return pairs;
-}
-
 std::vector<PositionPair> control_pairs(const Block& block, std::vector<ControlId>& points) {
   std::vector<PositionPair> pairs;
   for (const auto& [id, control] : block.control) {
@@ -36,6 +24,18 @@ std::vector<PositionPair> control_pairs(const Block& block, std::vector<ControlI
 }
 
 }  // namespace
+
+std::vector<PositionPair> position_pairs(const Block& block, std::vector<ImageId>& images) {
+  std::vector<PositionPair> pairs;
+  for (const auto& [id, pose] : oriented_images(block)) {
+    const auto& position = block.images.at(id).position;
+    if (!position || !position->sigma_m.allFinite()) continue;
+    const double sigma = std::sqrt(position->sigma_m.squaredNorm() / 3);
+    pairs.push_back({centre_of(pose), position->position_in_world, sigma});
+    images.push_back(id);
+  }
+  return pairs;
+}
 
 std::optional<Datum> datum(const Block& block, bool use_positions, bool use_control, std::uint64_t seed) {
   Datum result;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "collinea/block/block.h"
+#include "collinea/geometry/robust_similarity.h"
 #include "collinea/geometry/similarity3.h"
 
 namespace collinea {
@@ -17,6 +18,10 @@ struct Datum {
   std::vector<ControlId> control;  ///< that agree
   bool by_control = false;         ///< control points alone; otherwise positions (with control, where there is some)
 };
+
+/// Projection centres beside the positions that receivers measured, where these have all three coordinates with a
+/// standard deviation (root mean square of the axes); appends the images to `images`.
+[[nodiscard]] std::vector<bundle::PositionPair> position_pairs(const Block& block, std::vector<ImageId>& images);
 
 /// Estimates the datum robustly (least median of squares over triples, then iterated least squares of those within
 /// 27^1/2 robust standard deviations of one coordinate). Control points in three and more positions decide alone,

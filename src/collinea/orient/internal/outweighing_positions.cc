@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/orient/internal/outweighing_positions.h"
 
-#include <algorithm>
-#include <cmath>
-
-#include "collinea/geometry/robust_similarity.h"
+#include "collinea/orient/internal/datum.h"
 
 namespace collinea {
 namespace {
@@ -16,13 +13,7 @@ constexpr double kPart = 0.5;  // of the pull of those that agree
 
 OutweighingPositions outweighing_positions(const Block& block, std::uint64_t seed) {
   std::vector<ImageId> images;
-  std::vector<bundle::PositionPair> pairs;
-  for (const auto& [id, pose] : oriented_images(block)) {
-    const auto& position = block.images.at(id).position;
-    if (!position || !position->sigma_m.allFinite()) continue;
-    pairs.push_back({centre_of(pose), position->position_in_world, std::sqrt(position->sigma_m.squaredNorm() / 3)});
-    images.push_back(id);
-  }
+  const std::vector<bundle::PositionPair> pairs = position_pairs(block, images);
   OutweighingPositions found;
   const auto fit = bundle::robust_similarity(pairs, seed);
   if (!fit) return found;
