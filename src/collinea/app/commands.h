@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "collinea/app/flags.h"
@@ -28,32 +29,64 @@ Command stereo_command();
 Command rectify_command();
 Command verify_command();
 
+/// Commands under one heading of the help.
+struct CommandGroup {
+  std::string heading;
+  std::vector<Command> commands;
+};
+
 /// The only list of commands, in the order of the help. Each has a page of its name in docs/manual (commands_test.cc
 /// sees to it); man pages and completion are made from both.
-[[nodiscard]] inline std::vector<Command> all_commands() {
+[[nodiscard]] inline std::vector<CommandGroup> command_groups() {
   return {
-      run_command(),
-      import_command(),
-      step_command(Step::kDetect, "find features (SIFT) in every image"),
-      step_command(Step::kMatch, "match features between images and verify them"),
-      step_command(Step::kOrient, "find poses, cameras and tie points, with GNSS and control"),
-      adjust_command(),
-      step_command(Step::kDensify, "depth maps and fused point cloud"),
-      step_command(Step::kSurface, "digital surface model (GeoTIFF)"),
-      step_command(Step::kTerrain, "digital terrain model and contours (GeoTIFF, GeoPackage, DXF)"),
-      step_command(Step::kOrtho, "orthophoto (Cloud-Optimised GeoTIFF)"),
-      step_command(Step::kReport, "quality report (HTML and JSON)"),
-      info_command(),
-      export_command(),
-      volume_command(),
-      profile_command(),
-      plan_command(),
-      simulate_command(),
-      assess_command(),
-      stereo_command(),
-      rectify_command(),
-      verify_command(),
+      {"Map: photographs to products",
+       {
+           run_command(),
+           import_command(),
+           step_command(Step::kDetect, "find features (SIFT) in every image"),
+           step_command(Step::kMatch, "match features between images and verify them"),
+           step_command(Step::kOrient, "find poses, cameras and tie points, with GNSS and control"),
+           adjust_command(),
+           step_command(Step::kDensify, "depth maps and fused point cloud"),
+           step_command(Step::kSurface, "digital surface model (GeoTIFF)"),
+           step_command(Step::kTerrain, "digital terrain model and contours (GeoTIFF, GeoPackage, DXF)"),
+           step_command(Step::kOrtho, "orthophoto (Cloud-Optimised GeoTIFF)"),
+           step_command(Step::kReport, "quality report (HTML and JSON)"),
+           info_command(),
+           verify_command(),
+       }},
+      {"Pair: two images",
+       {
+           stereo_command(),
+       }},
+      {"Single steps: one method, with its standard deviations",
+       {
+           rectify_command(),
+           volume_command(),
+           profile_command(),
+       }},
+      {"Planning",
+       {
+           plan_command(),
+           simulate_command(),
+           assess_command(),
+       }},
+      {"Exchange",
+       {
+           export_command(),
+       }},
   };
+}
+
+/// Every command, each with the heading of its group.
+[[nodiscard]] inline std::vector<Command> all_commands() {
+  std::vector<Command> all;
+  for (CommandGroup& group : command_groups())
+    for (Command& command : group.commands) {
+      command.group = group.heading;
+      all.push_back(std::move(command));
+    }
+  return all;
 }
 
 }  // namespace collinea

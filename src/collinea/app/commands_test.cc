@@ -95,6 +95,8 @@ TEST(Commands, TheListOfCommandsIsInTheHelp) {
   EXPECT_EQ(outcome.code, 0);
   for (const Command& command : all_commands())
     EXPECT_NE(outcome.out.find(command.name), std::string::npos) << command.name;
+  for (const CommandGroup& group : command_groups())
+    EXPECT_NE(outcome.out.find(group.heading), std::string::npos) << group.heading;
 }
 
 TEST(Commands, WrongUsageEndsWithTwoAndWordsOnStderr) {

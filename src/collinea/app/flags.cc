@@ -176,6 +176,7 @@ int dispatch(int argc, char** argv, std::span<const Command> commands) {
   std::vector<Flags> flags;
   for (const Command& command : commands) {
     CLI::App* sub = app.add_subcommand(command.name, command.summary);
+    if (!command.group.empty()) sub->group(command.group);
     command.declare(flags.emplace_back(*sub));
   }
   const std::string_view first = argc > 1 ? argv[1] : "";

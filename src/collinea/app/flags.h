@@ -154,6 +154,7 @@ struct Command {
   std::string name, summary;
   std::function<void(Flags&)> declare;
   std::function<int(const Flags&)> action;
+  std::string group = {};  ///< its heading in the help
 };
 
 /// Reads the command line and runs the command it names. Returns the exit code.
