@@ -82,8 +82,10 @@ def main():
     stale = []
     for page in sorted((ROOT / "docs/manual").glob("*.md")):
         text = page.read_text()
-        if BEGIN not in text or END not in text:
+        if BEGIN not in text:
             continue
+        if END not in text:
+            sys.exit(f"{page}: no line {END} behind the table of options")
         before, rest = text.split(BEGIN, 1)
         after = rest.split(END, 1)[1]
         new = before + options_of(args.collinea, page.stem) + after

@@ -28,6 +28,7 @@ Command assess_command();
 Command stereo_command();
 Command rectify_command();
 Command verify_command();
+Command evaluate_command();
 
 /// Commands under one heading of the help.
 struct CommandGroup {
@@ -64,6 +65,7 @@ struct CommandGroup {
            rectify_command(),
            volume_command(),
            profile_command(),
+           evaluate_command(),
        }},
       {"Planning",
        {

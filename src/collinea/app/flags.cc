@@ -88,9 +88,16 @@ Given Flags::finished(CLI::Option* option) {
   return [option] { return option->count() > 0; };
 }
 
+namespace {
+
+// Where things go has a short form in every command.
+std::string with_short_form(const std::string& flag) { return flag == "--out" ? "-o," + flag : flag; }
+
+}  // namespace
+
 template <class T>
 Given Flags::add_value(std::string_view name, T& value, std::string_view unit, std::string_view help) {
-  auto* option = app_.add_option(new_flag(name), value, with_unit(help, unit));
+  auto* option = app_.add_option(with_short_form(new_flag(name)), value, with_unit(help, unit));
   if constexpr (requires { value.has_value(); }) {
     if (value) option->capture_default_str();
   } else {
@@ -102,7 +109,8 @@ Given Flags::add_value(std::string_view name, T& value, std::string_view unit, s
 Given Flags::add_text(std::string_view name, std::string_view help, Text text) {
   const std::string flag = new_flag(name);
   auto* option = app_.add_option_function<std::string>(
-      flag, [take = text.take](const std::string& value) { take(value); }, with_choices(help, text.choices));
+      with_short_form(flag), [take = text.take](const std::string& value) { take(value); },
+      with_choices(help, text.choices));
   option->type_name(text.value_name)->default_str(text.shown);
   if (!text.choices.empty())
     option->check([choices = text.choices](const std::string& word) {

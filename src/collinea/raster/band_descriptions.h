@@ -20,6 +20,7 @@ inline constexpr FileText kOrthophotoSource = "number of the leading photograph,
 inline constexpr FileText kRectified = "rectified plane: red, green, blue, alpha; metres on the plane";
 inline constexpr FileText kPlannedSigma =
     "expected standard deviations east, north, height [m], and number of images";  ///< bands, in this order
+inline constexpr FileText kHeightDifference = "surface less reference: height [m]";
 inline constexpr FileText kTrueSurfaceHeight = "true surface height [m]";
 inline constexpr FileText kTrueTerrainHeight = "true terrain height [m]";
 inline constexpr FileText kTrueOrthophoto = "true orthophoto";
