@@ -29,6 +29,7 @@ Command stereo_command();
 Command rectify_command();
 Command verify_command();
 Command evaluate_command();
+Command grid_command();
 
 /// Commands under one heading of the help.
 struct CommandGroup {
@@ -66,6 +67,7 @@ struct CommandGroup {
            volume_command(),
            profile_command(),
            evaluate_command(),
+           grid_command(),
        }},
       {"Planning",
        {
