@@ -58,11 +58,11 @@ Condition condition(const Rigid3& motion, const Eigen::Vector2d& first, const Ei
 }  // namespace
 
 PairModel model_points(const RelativeOrientation& orientation, std::span<const PairPoint> points, double base,
-                       bool of_photograph) {
+                       bool y_up) {
   const Rigid3& motion = orientation.second_from_first;
   const Matrix5 covariance = orientation.stated_covariance();
   Eigen::Matrix3d scale = base * Eigen::Matrix3d::Identity();
-  if (of_photograph) scale.bottomRows<2>() *= -1;
+  if (y_up) scale.bottomRows<2>() *= -1;
 
   PairModel model;
   for (std::size_t i = 0; i < points.size(); ++i) {

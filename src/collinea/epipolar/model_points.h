@@ -31,11 +31,11 @@ struct PairModel {
 };
 
 /// Model coordinates of the adjusted rays in the frame of the first camera (x right, y down, z forward) with a base of
-/// that length, or, `of_photograph`, of the first photograph (x right, y up, z backwards). The covariances are those of
+/// that length, or, `y_up`, with x right, y up, z backwards as photogrammetry has them. The covariances are those of
 /// a pair whose length of base is without error; rejected points get coordinates, too (of the middle of their
 /// parallax), with the covariance that they would have as new points.
 [[nodiscard]] PairModel model_points(const RelativeOrientation& orientation, std::span<const PairPoint> points,
-                                     double base = 1, bool of_photograph = false);
+                                     double base = 1, bool y_up = false);
 
 /// The full covariance of the points of a model that are there, three rows each, then of the second projection centre.
 [[nodiscard]] Eigen::MatrixXd full_covariance(const PairModel& model, const Matrix5& orientation);

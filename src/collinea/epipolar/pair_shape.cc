@@ -109,6 +109,8 @@ void set_conditioning(const Rigid3& motion, const Matrix5& of_change, PairShape&
   if (const auto elements = dependent_elements(motion); elements && std::abs(base_in_first(motion).x()) > 0.05) {
     const Matrix5 by = dependent_by_change(motion).inverse();
     normal = by.transpose() * of_change * by;
+  } else {
+    shape.of_elements = false;
   }
   const auto ratio = [](const Eigen::SelfAdjointEigenSolver<Matrix5>& solver) {
     return std::max(0.0, solver.eigenvalues()(0)) / solver.eigenvalues()(4);

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "collinea/base/words.h"
 #include "collinea/epipolar/pair_point.h"
 #include "collinea/epipolar/relative_elements.h"
 #include "collinea/geometry/rigid3.h"
@@ -13,14 +15,15 @@
 namespace collinea {
 
 /// What in the shape of an object or of a pair weakens its relative orientation.
-enum class PairWeakness {
-  kCylinder,      ///< points and base lie on a cylinder: the orientation is not determined
-  kNearCylinder,  ///< nearly so: rough by less than 5 % of the distance
-  kPlane,         ///< points lie in a plane: a second orientation fits as well, or nearly
-  kBasePlane,     ///< points lie in one plane with the base
-  kNarrow,        ///< points lie in a narrow band along the base
-  kShortBase,     ///< rays meet at less than 2 degrees
-};
+enum class PairWeakness : std::uint8_t { kCylinder, kNearCylinder, kPlane, kBasePlane, kNarrow, kShortBase };
+inline constexpr Word<PairWeakness> kPairWeaknessWords[] = {
+    {PairWeakness::kCylinder, "cylinder", "points and base lie on a cylinder (a critical surface)"},
+    {PairWeakness::kNearCylinder, "near_cylinder", "points and base lie near a cylinder (a critical surface)"},
+    {PairWeakness::kPlane, "plane", "the points lie in a plane: a second orientation fits them as well, or nearly"},
+    {PairWeakness::kBasePlane, "base_plane", "the points lie in one plane with the base"},
+    {PairWeakness::kNarrow, "narrow", "the points lie in a narrow band along the base"},
+    {PairWeakness::kShortBase, "short_base", "the rays are nearly parallel: the base is short"}};
+[[nodiscard]] constexpr std::span<const Word<PairWeakness>> words(PairWeakness) { return kPairWeaknessWords; }
 
 /// The cylinder along the base that fits the points best: its axis is parallel to the base, which lies on it. Lengths
 /// in units of the base. Seen along the base it is a circle (Mussio 3.4.2).
@@ -44,8 +47,9 @@ struct PairShape {
   double base_plane_roughness = 0;  ///< the same of a plane through the base
   double epsilon_raw = 0;  ///< lambda_min / lambda_max of the normal matrix of by, bz, omega, phi, kappa (1, rad)
   double epsilon = 0;      ///< the same, scaled to a unit diagonal (Mussio 3.4.5): 1 ideal, 0 undetermined
-  Vector5 null_vector = Vector5::Zero();  ///< of the smaller one: by, bz, omega, phi, kappa; largest is 1 in
-                                          ///< units of their own sigma
+  Vector5 null_vector = Vector5::Zero();  ///< of the smaller one: by, bz, omega, phi, kappa, each in units of its sigma
+                                          ///< with the others known; the largest is 1
+  bool of_elements = true;                ///< false: the base has no x component, and the figures are of changed()
   double inflation = 1;                   ///< by which not knowing the others enlarges the worst sigma of the five
   std::vector<PairWeakness> weaknesses;
 };

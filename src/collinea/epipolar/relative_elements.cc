@@ -35,7 +35,7 @@ OmegaPhiKappa angles_of(const Eigen::Quaterniond& image_from_model) {
 }
 
 // The rotation of the second photograph against the first.
-Eigen::Quaterniond photographs(const Rigid3& second_from_first) {
+Eigen::Quaterniond image_rotation(const Rigid3& second_from_first) {
   return kTurned * second_from_first.rotation * kTurned.conjugate();
 }
 
@@ -91,7 +91,7 @@ std::optional<DependentElements> dependent_elements(const Rigid3& second_from_fi
   const Eigen::Vector3d base = turned(base_in_first(second_from_first));
   const double along = std::abs(base.x());
   if (!(along > kLeastAlongX)) return std::nullopt;
-  const OmegaPhiKappa angles = angles_of(photographs(second_from_first));
+  const OmegaPhiKappa angles = angles_of(image_rotation(second_from_first));
   return DependentElements{base.x() > 0 ? 1.0 : -1.0,  base.y() / along,         base.z() / along,
                            angles.omega_deg * kDegree, angles.phi_deg * kDegree, angles.kappa_deg * kDegree};
 }
@@ -103,7 +103,7 @@ SymmetricElements symmetric_elements(const Rigid3& second_from_first) {
   out.phi1 = std::atan2(base.z(), across);
   out.kappa1 = across > kLeastAlongX ? std::atan2(-base.y(), base.x()) : 0;
   const Eigen::Quaterniond first_from_model(attitude(0, out.phi1, out.kappa1));
-  const OmegaPhiKappa angles = angles_of((photographs(second_from_first) * first_from_model).normalized());
+  const OmegaPhiKappa angles = angles_of((image_rotation(second_from_first) * first_from_model).normalized());
   out.omega2 = angles.omega_deg * kDegree;
   out.phi2 = angles.phi_deg * kDegree;
   out.kappa2 = angles.kappa_deg * kDegree;
@@ -122,7 +122,7 @@ Rigid3 motion_of(const SymmetricElements& elements) {
 
 Matrix5 dependent_by_change(const Rigid3& second_from_first) {
   const Eigen::Vector3d base = base_in_first(second_from_first);
-  const Eigen::Quaterniond second = photographs(second_from_first);
+  const Eigen::Quaterniond second = image_rotation(second_from_first);
   Matrix5 by = Matrix5::Zero();
   by.block<2, 2>(0, 3) = ratios_by_tangents(base, tangents_of(base));
   by.block<2, 2>(0, 3) *= -1;  // y and z of photographs point the other way
@@ -138,7 +138,7 @@ Matrix5 symmetric_by_change(const Rigid3& second_from_first) {
   tangents.bottomRows<2>() *= -1;
   const SymmetricElements elements = symmetric_elements(second_from_first);
   const Eigen::Matrix3d model_from_first = attitude(0, elements.phi1, elements.kappa1).transpose();
-  const Eigen::Quaterniond second = photographs(second_from_first);
+  const Eigen::Quaterniond second = image_rotation(second_from_first);
   const double across2 = base.x() * base.x() + base.y() * base.y(), across = std::sqrt(across2);
 
   Matrix5 by = Matrix5::Zero();

@@ -203,17 +203,15 @@ std::optional<std::size_t> worst(const RelativeOptions& options, const RelativeO
   return found;
 }
 
-Error undetermined(const Rigid3& motion, std::span<const PairPoint> points) {
-  std::string why = "the points leave the relative orientation undetermined";
-  if (const auto shape = pair_shape(motion, points, normal_of(motion, points)))
-    for (const PairWeakness weakness : shape->weaknesses) {
-      if (weakness == PairWeakness::kCylinder || weakness == PairWeakness::kNearCylinder)
-        why += ": they lie with the base on a cylinder (critical surface)";
-      if (weakness == PairWeakness::kBasePlane) why += ": they lie in one plane with the base";
-      if (weakness == PairWeakness::kNarrow) why += ": they lie in a narrow band along the base";
-      if (weakness == PairWeakness::kShortBase) why += "; the rays are nearly parallel";
-    }
-  return {Errc::kIllPosed, why + "; measure points that lie elsewhere"};
+tl::unexpected<Error> undetermined(const Rigid3& motion, std::span<const PairPoint> points) {
+  const auto shape = pair_shape(motion, points, normal_of(motion, points));
+  if (!shape || shape->weaknesses.empty())
+    return fail(Errc::kIllPosed, "the points leave the relative orientation undetermined; measure more, elsewhere");
+  std::string_view why;
+  for (const auto& entry : words(PairWeakness{}))
+    if (entry.value == shape->weaknesses.front()) why = entry.meaning;
+  return fail(Errc::kIllPosed, "the points leave the relative orientation undetermined: " + std::string(why) +
+                                   "; measure points that lie elsewhere");
 }
 
 // A motion to begin with, and the points that it was made of.
@@ -295,10 +293,10 @@ Result<> check(std::span<const PairPoint> points) {
 // Adjusts and sets the statistics.
 Result<> solve(std::span<const PairPoint> points, const RelativeOptions& options, Adjustment& work,
                RelativeOrientation& state) {
-  if (!adjust(points, work)) return tl::unexpected(undetermined(work.motion, points));
+  if (!adjust(points, work)) return undetermined(work.motion, points);
   if (!work.settled) {
     const auto shape = pair_shape(work.motion, points, work.normal);
-    if (shape && shape->epsilon < 1e-6) return tl::unexpected(undetermined(work.motion, points));
+    if (shape && shape->epsilon < 1e-6) return undetermined(work.motion, points);
     return fail(Errc::kNotConverged,
                 "the relative orientation does not converge: the start is too far off, or many points are wrong",
                 {"start"_option});
