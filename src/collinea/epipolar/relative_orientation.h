@@ -48,7 +48,7 @@ struct RelativeOptions {
   double alpha = 0.001;
   double residual_limit = 2.67;
   PairWeights weights = PairWeights::kEqual;
-  bool sigma_known = false;
+  bool sigma_known = false;  ///< covariances and tests by the sigmas as given; else by sigma0 as estimated
 
   template <class Visit>
   static void describe(Visit&& visit) {
@@ -58,9 +58,6 @@ struct RelativeOptions {
     visit(Field{"alpha", &O::alpha, "1", "chance of rejecting a good point by data snooping", 1e-9, 0.5});
     visit(Field{"residual_limit", &O::residual_limit, "1", "largest residual of residual, times sigma0", 1, 100});
     visit(Field{"weights", &O::weights, "", "weights of points by their distribution"});
-    visit(Field{"sigma_known", &O::sigma_known, "",
-                "the standard deviations of the measurements are known: covariances and tests are by them, not by "
-                "sigma0 as estimated"});
   }
 };
 
