@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// Corner maps and points beside OpenCV's, on one thread: time, and whether the maps are the same.
+// Corner maps and points beside OpenCV's, on one thread: time, and whether the maps are the same. Of a folder with
+// img1.png ... img6.png and H1to2p ... H1to6p (Oxford's "graf"): repeatability of all operators.
 //
 // usage: collinea_bench_interest IMAGE [REPEATS]
+//        collinea_bench_interest FOLDER [COUNT]
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "collinea/feature/interest.h"
+#include "collinea/feature/repeatability.h"
 
 namespace {
 
@@ -44,18 +50,60 @@ double correlation(const FloatImage& a, const cv::Mat& b) {
   return (n * ab - sa * sb) / std::sqrt((n * aa - sa * sa) * (n * bb - sb * sb));
 }
 
+GreyImage grey_of(const cv::Mat& theirs) {
+  GreyImage image(theirs.cols, theirs.rows);
+  for (int y = 0; y < theirs.rows; ++y) std::copy_n(theirs.ptr(y), theirs.cols, image.row(y));
+  return image;
+}
+
+// Homographies of files count pixels from the middle of the first; here its corner is 0.
+Eigen::Matrix3d homography_in(const std::string& file) {
+  Eigen::Matrix3d h, half = Eigen::Matrix3d::Identity();
+  std::ifstream in(file);
+  for (int i = 0; i < 9; ++i) in >> h(i / 3, i % 3);
+  half.topRightCorner<2, 1>().setConstant(0.5);
+  return half * h * half.inverse();
+}
+
+int repeatability_table(const std::string& folder, int count) {
+  constexpr double kTolerance_px = 1.5, kBorder_px = 16;
+  std::vector<GreyImage> images;
+  for (int k = 1; k <= 6; ++k)
+    images.push_back(grey_of(cv::imread(fmt::format("{}/img{}.png", folder, k), cv::IMREAD_GRAYSCALE)));
+  fmt::print("{} points an image, found again within {} px: share, and RMS distance [px]\n\n", count, kTolerance_px);
+  fmt::print("| operator | 1-2 | 1-3 | 1-4 | 1-5 | 1-6 |\n|---|---|---|---|---|---|\n");
+  for (const auto& [method, word, meaning] : words(InterestOperator{})) {
+    const InterestOptions options{.method = method, .relative_threshold = 1e-4, .max_points = count};
+    const auto first = collinea::find_interest_points(images[0], options).points;
+    fmt::print("| {} |", word);
+    for (std::size_t k = 1; k < images.size(); ++k) {
+      const auto there = collinea::find_interest_points(images[k], options).points;
+      const auto r = collinea::repeatability(
+          first, there, homography_in(fmt::format("{}/H1to{}p", folder, k + 1)),
+          {images[0].width, images[0].height, images[k].width, images[k].height, kBorder_px}, kTolerance_px);
+      fmt::print(" {:.2f}, {:.2f} |", r.rate(), r.rms_px);
+    }
+    fmt::print("\n");
+  }
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    fmt::print(stderr, "usage: collinea_bench_interest IMAGE [REPEATS]\n");
+    fmt::print(stderr, "usage: collinea_bench_interest IMAGE [REPEATS] | FOLDER [COUNT]\n");
     return 2;
   }
+  if (std::filesystem::is_directory(argv[1])) return repeatability_table(argv[1], argc > 2 ? std::atoi(argv[2]) : 1000);
   cv::setNumThreads(1);
   const int repeats = argc > 2 ? std::atoi(argv[2]) : 5;
   const cv::Mat theirs = cv::imread(argv[1], cv::IMREAD_GRAYSCALE);
-  GreyImage image(theirs.cols, theirs.rows);
-  for (int y = 0; y < theirs.rows; ++y) std::copy_n(theirs.ptr(y), theirs.cols, image.row(y));
+  if (theirs.empty()) {
+    fmt::print(stderr, "{}: no image\n", argv[1]);
+    return 1;
+  }
+  const GreyImage image = grey_of(theirs);
   const double megapixels = 1e-6 * theirs.cols * theirs.rows;
   fmt::print("{} x {}: {:.1f} megapixels, one thread, the shortest of {} runs\n\n", theirs.cols, theirs.rows,
              megapixels, repeats);

@@ -113,26 +113,26 @@ class Location {
         sigma2_(sigma_px * sigma_px),
         radius_(static_cast<int>(std::ceil(kWindowSigmas * sigma_px))) {}
 
-  /// Calls visit(x, y, weight, normal, pixel minus point) for every pixel of the window; false where it leaves the part
-  /// of the image that is there.
+  /// Calls visit(x, y, weight, normal, pixel minus point) for every pixel of the window around `middle`; false where it
+  /// leaves the part of the image that is there.
   template <class Visit>
-  bool visit(const Vector2d& point, const Visit& visit) const {
-    const int column = static_cast<int>(std::floor(point.x())), row = static_cast<int>(std::floor(point.y()));
+  bool visit(const Vector2d& middle, const Vector2d& point, const Visit& visit) const {
+    const int column = static_cast<int>(std::floor(middle.x())), row = static_cast<int>(std::floor(middle.y()));
     const Square& s = normals_.square();
     if (column - radius_ < s.left || row - radius_ < s.top || column + radius_ >= s.left + s.size ||
         row + radius_ >= s.top + s.size)
       return false;
     for (int y = row - radius_; y <= row + radius_; ++y)
       for (int x = column - radius_; x <= column + radius_; ++x) {
-        const Vector2d d = Vector2d(x + 0.5, y + 0.5) - point;
-        visit(x, y, std::exp(-0.5 * d.squaredNorm() / sigma2_), normals_.at(x, y), d);
+        const Vector2d pixel(x + 0.5, y + 0.5);
+        visit(x, y, std::exp(-0.5 * (pixel - middle).squaredNorm() / sigma2_), normals_.at(x, y), pixel - point);
       }
     return true;
   }
 
-  [[nodiscard]] std::optional<Equations> equations(const Vector2d& point) const {
+  [[nodiscard]] std::optional<Equations> equations(const Vector2d& middle, const Vector2d& point) const {
     Equations e;
-    const bool is_inside = visit(point, [&](int, int, double w, const Vector2d& v, const Vector2d& d) {
+    const bool is_inside = visit(middle, point, [&](int, int, double w, const Vector2d& v, const Vector2d& d) {
       const double distance = v.dot(d);
       e.normal += w * v * v.transpose();
       e.jacobian -= (w * distance / sigma2_) * v * d.transpose();
@@ -146,13 +146,13 @@ class Location {
   }
 
   /// C: the sum over pixels of the squared derivatives of the right side by their grey value.
-  [[nodiscard]] Matrix2d spread(const Vector2d& point, FoerstnerModel model) const {
+  [[nodiscard]] Matrix2d spread(const Vector2d& middle, const Vector2d& point, FoerstnerModel model) const {
     const Mask& mask = derivative_mask();
     const int size = 2 * (radius_ + kMaskRadius) + 1;
-    const Square square{static_cast<int>(std::floor(point.x())) - radius_ - kMaskRadius,
-                        static_cast<int>(std::floor(point.y())) - radius_ - kMaskRadius, size};
+    const Square square{static_cast<int>(std::floor(middle.x())) - radius_ - kMaskRadius,
+                        static_cast<int>(std::floor(middle.y())) - radius_ - kMaskRadius, size};
     std::vector<Vector2d> by_pixel(static_cast<std::size_t>(size * size), Vector2d::Zero());
-    visit(point, [&](int x, int y, double w, const Vector2d& v, const Vector2d& d) {
+    visit(middle, point, [&](int x, int y, double w, const Vector2d& v, const Vector2d& d) {
       Matrix2d by_gradient = w * (v.dot(d) * Matrix2d::Identity() + v * d.transpose());
       if (model == FoerstnerModel::kCircle) {
         Matrix2d rotation;
@@ -190,24 +190,29 @@ std::optional<Square> reach(const GreyImage& image, const Vector2d& start, doubl
 }  // namespace
 
 std::optional<FoerstnerPoint> foerstner_point(const GreyImage& image, const Vector2d& start_px, double sigma_px,
-                                              FoerstnerModel model, double noise_grey) {
+                                              FoerstnerModel model, FoerstnerWindow window, double noise_grey) {
   const auto square = reach(image, start_px, sigma_px);
   if (!square) return std::nullopt;
   const Normals normals(image, *square, model);
   const Location location(normals, sigma_px);
-  Vector2d point = start_px;
+  Vector2d middle = start_px;  // of the window
   for (int step = 0; step < kMostSteps; ++step) {
-    const auto equations = location.equations(point);
-    if (!equations) return std::nullopt;
-    const Vector2d shift = equations->normal.inverse() * equations->right;
-    point += shift;
+    const auto at = location.equations(middle, middle);
+    if (!at) return std::nullopt;
+    const Vector2d shift = at->normal.inverse() * at->right, point = middle + shift;
     if (!((point - start_px).norm() <= kFarthestSigmas * sigma_px)) return std::nullopt;
-    if (shift.norm() > kConverged_px) continue;
-    const auto last = location.equations(point);
-    if (!last || !(std::abs(last->jacobian.determinant()) > 1e-6 * last->normal.determinant())) return std::nullopt;
-    const Matrix2d inverse = last->jacobian.inverse();
+    if (window == FoerstnerWindow::kFollowing && shift.norm() > kConverged_px) {
+      middle = point;
+      continue;
+    }
+    const auto last = location.equations(middle, point);
+    if (!last) return std::nullopt;
+    const Matrix2d jacobian = window == FoerstnerWindow::kFixed ? last->normal : last->jacobian;
+    if (!(std::abs(jacobian.determinant()) > 1e-6 * last->normal.determinant())) return std::nullopt;
+    const Matrix2d inverse = jacobian.inverse();
     FoerstnerPoint found{.position_px = point, .covariance_px2 = {}};
-    found.covariance_px2 = noise_grey * noise_grey * inverse * location.spread(point, model) * inverse.transpose();
+    found.covariance_px2 =
+        noise_grey * noise_grey * inverse * location.spread(middle, point, model) * inverse.transpose();
     found.roundness = last->roundness();
     found.weight = last->normal.determinant() / last->normal.trace() / last->weights;
     found.misfit = last->misfit / last->weights;

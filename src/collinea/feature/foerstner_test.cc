@@ -17,6 +17,9 @@ using Eigen::Vector2d;
 constexpr int kSize = 41;
 const Vector2d kTruth(20.31, 20.84);
 
+constexpr auto kFollowing = FoerstnerWindow::kFollowing;
+constexpr auto kFixed = FoerstnerWindow::kFixed;
+
 // What a feature looks like at a point given from its middle: -1 to 1.
 using Look = std::function<double(const Vector2d&)>;
 
@@ -58,14 +61,15 @@ struct Spreads {
 
 // Estimates over many images of different noise, beside the covariances stated. Reference: the truth, or their own
 // mean.
-Spreads simulated(const Look& look, FoerstnerModel model, double noise, bool is_biased) {
+Spreads simulated(const Look& look, FoerstnerModel model, FoerstnerWindow window, double noise, bool is_biased) {
   constexpr int kImages = 400;
   const std::vector<double> clean = rendered(look);
   std::mt19937_64 random(11);
   std::vector<FoerstnerPoint> found;
   for (int i = 0; i < kImages; ++i) {
     const double with_rounding = std::hypot(noise, std::sqrt(1.0 / 12));
-    const auto point = foerstner_point(with_noise(clean, noise, random), {20.5, 20.5}, 2, model, with_rounding);
+    const Vector2d start = window == kFixed ? kTruth : Vector2d(20.5, 20.5);  // of its error a quarter stays
+    const auto point = foerstner_point(with_noise(clean, noise, random), start, 2, model, window, with_rounding);
     EXPECT_TRUE(point.has_value());
     if (point) found.push_back(*point);
   }
@@ -88,8 +92,8 @@ Spreads simulated(const Look& look, FoerstnerModel model, double noise, bool is_
 
 // Chi-squared of 400 estimates with two degrees of freedom each: mean 1, standard deviation 0.05.
 TEST(Foerstner, TheCovarianceOfAChequerboardIsTrue) {
-  for (const double noise : {1.0, 4.0}) {
-    const Spreads s = simulated(chequerboard, FoerstnerModel::kCorner, noise, false);
+  for (const auto& [window, noise] : {std::pair{kFollowing, 1.0}, {kFollowing, 4.0}, {kFixed, 1.0}, {kFixed, 4.0}}) {
+    const Spreads s = simulated(chequerboard, FoerstnerModel::kCorner, window, noise, false);
     EXPECT_NEAR(s.chi2_per_freedom, 1, 0.1) << noise;
     EXPECT_NEAR(s.within_95, 0.95, 0.025) << noise;
     EXPECT_LT(s.bias.norm(), 0.004) << noise;
@@ -97,7 +101,7 @@ TEST(Foerstner, TheCovarianceOfAChequerboardIsTrue) {
 }
 
 TEST(Foerstner, TheCovarianceOfADiscIsTrue) {
-  const Spreads s = simulated(disc, FoerstnerModel::kCircle, 3, false);
+  const Spreads s = simulated(disc, FoerstnerModel::kCircle, kFollowing, 3, false);
   EXPECT_NEAR(s.chi2_per_freedom, 1, 0.1);
   EXPECT_NEAR(s.within_95, 0.95, 0.025);
   EXPECT_LT(s.bias.norm(), 0.004);
@@ -105,7 +109,7 @@ TEST(Foerstner, TheCovarianceOfADiscIsTrue) {
 
 // The blur of a corner draws the point to its inside by more than its noise: stated in the header.
 TEST(Foerstner, TheCovarianceOfACornerIsThatOfItsScatter) {
-  const Spreads s = simulated(corner, FoerstnerModel::kCorner, 3, true);
+  const Spreads s = simulated(corner, FoerstnerModel::kCorner, kFollowing, 3, true);
   EXPECT_NEAR(s.chi2_per_freedom, 1, 0.1);
   EXPECT_LT(s.bias.norm(), 0.35);
   EXPECT_GT(s.bias.norm(), 0.05);
@@ -113,11 +117,14 @@ TEST(Foerstner, TheCovarianceOfACornerIsThatOfItsScatter) {
 
 // Covariance by the numeric derivative of the position by every pixel.
 TEST(Foerstner, TheCovarianceIsThatOfNumericDerivatives) {
-  for (const auto& [look, model] :
-       {std::pair{Look(corner), FoerstnerModel::kCorner}, std::pair{Look(disc), FoerstnerModel::kCircle}}) {
+  for (const auto& [look, model, window] : {std::tuple{Look(corner), FoerstnerModel::kCorner, kFollowing},
+                                            {Look(disc), FoerstnerModel::kCircle, kFollowing},
+                                            {Look(corner), FoerstnerModel::kCorner, kFixed},
+                                            {Look(disc), FoerstnerModel::kCircle, kFixed}}) {
     std::mt19937_64 random(3);
     const GreyImage image = with_noise(rendered(look), 5, random);
-    const auto middle = foerstner_point(image, {20.5, 20.5}, 1.5, model, 1);
+    const Vector2d start(20.5, 20.5);
+    const auto middle = foerstner_point(image, start, 1.5, model, window, 1);
     ASSERT_TRUE(middle);
     Matrix2d sum = Matrix2d::Zero();
     for (int y = 6; y < 36; ++y)
@@ -125,8 +132,8 @@ TEST(Foerstner, TheCovarianceIsThatOfNumericDerivatives) {
         GreyImage more = image, less = image;
         more.at(x, y) = static_cast<std::uint8_t>(more.at(x, y) + 1);
         less.at(x, y) = static_cast<std::uint8_t>(less.at(x, y) - 1);
-        const auto a = foerstner_point(more, middle->position_px, 1.5, model, 1);
-        const auto b = foerstner_point(less, middle->position_px, 1.5, model, 1);
+        const auto a = foerstner_point(more, start, 1.5, model, window, 1);
+        const auto b = foerstner_point(less, start, 1.5, model, window, 1);
         ASSERT_TRUE(a && b);
         const Vector2d by_pixel = (a->position_px - b->position_px) / 2;
         sum += by_pixel * by_pixel.transpose();
@@ -137,21 +144,22 @@ TEST(Foerstner, TheCovarianceIsThatOfNumericDerivatives) {
 
 TEST(Foerstner, RoundnessTellsCornersFromEdges) {
   std::mt19937_64 random(1);
-  const auto board =
-      foerstner_point(with_noise(rendered(chequerboard), 1, random), {20.5, 20.5}, 2, FoerstnerModel::kCorner, 1);
+  const auto board = foerstner_point(with_noise(rendered(chequerboard), 1, random), {20.5, 20.5}, 2,
+                                     FoerstnerModel::kCorner, kFollowing, 1);
   ASSERT_TRUE(board);
   EXPECT_GT(board->roundness, 0.9);
   const Look edge = [](const Vector2d& d) { return soft(turned(d, 0.3).x()); };
-  EXPECT_FALSE(foerstner_point(with_noise(rendered(edge), 0, random), {20.5, 20.5}, 2, FoerstnerModel::kCorner, 1));
+  EXPECT_FALSE(
+      foerstner_point(with_noise(rendered(edge), 0, random), {20.5, 20.5}, 2, FoerstnerModel::kCorner, kFollowing, 1));
 }
 
 TEST(Foerstner, WhatLeavesNoPointIsRefused) {
   const GreyImage flat(kSize, kSize, 1, 90);
-  EXPECT_FALSE(foerstner_point(flat, {20, 20}, 2, FoerstnerModel::kCorner, 1));
+  EXPECT_FALSE(foerstner_point(flat, {20, 20}, 2, FoerstnerModel::kCorner, kFollowing, 1));
   std::mt19937_64 random(1);
   const GreyImage image = with_noise(rendered(chequerboard), 1, random);
   for (const Vector2d& beside : {Vector2d(2, 20), Vector2d(20, 39), Vector2d(-50, 3), Vector2d(30, 8)})
-    EXPECT_FALSE(foerstner_point(image, beside, 2, FoerstnerModel::kCorner, 1)) << beside.transpose();
+    EXPECT_FALSE(foerstner_point(image, beside, 2, FoerstnerModel::kCorner, kFollowing, 1)) << beside.transpose();
 }
 
 TEST(Foerstner, NoiseIsFoundInRenderedImages) {

@@ -27,6 +27,7 @@ constexpr int kColumnsAtOnce = 2048;       // rows of all channels within the wi
 constexpr double kIsolatedShare = 0.5;     // of the response that a single pixel may make
 constexpr double kLargestElongation = 10;  // of a blob (Lowe 2004)
 constexpr double kSamePoint_px = 0.5;
+constexpr double kCircleMisfit = 0.1;    // of a circle beside that of a corner: where both fit, it is a corner
 constexpr float kRounding_grey = 1e-3f;  // of sums of floats: responses of blobs below it are none
 
 bool is_blob(InterestOperator method) {
@@ -186,13 +187,16 @@ SubPixel location_of(const InterestOptions& o) {
   return o.sub_pixel.value_or(o.method == InterestOperator::kFoerstner ? SubPixel::kFoerstner : SubPixel::kParaboloid);
 }
 
-// Corner and centre of a circle: what the lines of the window miss by less.
+bool has_covariance(SubPixel location) { return location == SubPixel::kFoerstner || location == SubPixel::kFollowing; }
+
+// A corner, or the centre of a circle where the lines of the window miss that by much less.
 std::optional<InterestPoint> located(const GreyImage& image, InterestPoint point, const InterestOptions& o,
                                      double noise_grey) {
+  const auto window = location_of(o) == SubPixel::kFollowing ? FoerstnerWindow::kFollowing : FoerstnerWindow::kFixed;
   std::optional<FoerstnerPoint> best;
   for (const FoerstnerModel model : {FoerstnerModel::kCorner, FoerstnerModel::kCircle}) {
-    const auto found = foerstner_point(image, point.position_px, o.sigma_px, model, noise_grey);
-    if (!found || (best && best->misfit <= found->misfit)) continue;
+    const auto found = foerstner_point(image, point.position_px, o.sigma_px, model, window, noise_grey);
+    if (!found || (best && kCircleMisfit * best->misfit <= found->misfit)) continue;
     best = found;
     point.is_circle = model == FoerstnerModel::kCircle;
   }
@@ -234,7 +238,7 @@ std::vector<std::size_t> in_order(std::span<const Spot> spots, const GreyImage& 
 InterestPoints sift_points(const GreyImage& image, const InterestOptions& o) {
   InterestPoints out;
   const Features features = detect_sift(image, {.max_features = o.max_points, .evenness = o.evenness});
-  const bool with_covariance = location_of(o) == SubPixel::kFoerstner;
+  const bool with_covariance = has_covariance(location_of(o));
   if (with_covariance) out.noise_grey = o.noise_grey.value_or(noise_of(image));
   out.maxima = features.keypoints.size();
   Taken taken;
@@ -317,7 +321,7 @@ InterestPoints find_interest_points(const GreyImage& image, const FloatImage& ma
   const std::vector<MapPixel> maxima = local_maxima(map, o.radius_px, static_cast<float>(out.threshold));
   out.maxima = maxima.size();
   const SubPixel location = location_of(o);
-  if (location == SubPixel::kFoerstner) out.noise_grey = o.noise_grey.value_or(noise_of(image));
+  if (has_covariance(location)) out.noise_grey = o.noise_grey.value_or(noise_of(image));
 
   std::vector<Spot> spots;
   for (const MapPixel& m : maxima)
@@ -337,7 +341,7 @@ InterestPoints find_interest_points(const GreyImage& image, const FloatImage& ma
     }
     InterestPoint point{.position_px = {m.column + 0.5, m.row + 0.5}, .strength = m.value, .scale_px = o.sigma_px};
     if (location != SubPixel::kNone) point.position_px += paraboloid.top();
-    if (location == SubPixel::kFoerstner) {
+    if (has_covariance(location)) {
       const auto better = located(image, point, o, out.noise_grey);
       if (!better) {
         ++out.not_located;

@@ -40,11 +40,12 @@ inline constexpr Word<InterestOperator> kInterestOperatorWords[] = {
 }
 
 /// How a point is located between the pixels.
-enum class SubPixel : std::uint8_t { kNone, kParaboloid, kFoerstner };
+enum class SubPixel : std::uint8_t { kNone, kParaboloid, kFoerstner, kFollowing };
 inline constexpr Word<SubPixel> kSubPixelWords[] = {
     {SubPixel::kNone, "none", "the pixel of the maximum"},
     {SubPixel::kParaboloid, "paraboloid", "top of the surface of second degree through 3 x 3 responses"},
-    {SubPixel::kFoerstner, "foerstner", "least squares over the gradients, with covariance"}};
+    {SubPixel::kFoerstner, "foerstner", "least squares over the gradients around it, with covariance"},
+    {SubPixel::kFollowing, "following", "the same in a window that follows the point: for targets and crossings"}};
 [[nodiscard]] constexpr std::span<const Word<SubPixel>> words(SubPixel) { return kSubPixelWords; }
 
 struct InterestOptions {
@@ -52,7 +53,7 @@ struct InterestOptions {
   double sigma_px = 1.5;
   std::optional<int> window_radius_px;
   double harris_k = 0.04;
-  double least_roundness = 0.5;
+  double least_roundness = 0.3;
   std::optional<double> threshold;
   double relative_threshold = 0.01;
   int radius_px = 4;
@@ -95,7 +96,7 @@ struct InterestPoint {
   Eigen::Vector2d position_px;
   double strength = 0;                                 ///< the response of the operator
   double scale_px = 0;                                 ///< standard deviation of the window or blur
-  std::optional<Eigen::Matrix2d> covariance_px2 = {};  ///< with SubPixel::kFoerstner, by the noise of the pixels
+  std::optional<Eigen::Matrix2d> covariance_px2 = {};  ///< by least squares: from the noise of the pixels
   double roundness = 0;                                ///< with covariance: 4 det / trace^2 of the gradients
   bool is_circle = false;                              ///< with covariance: centre of a blob or ring, not a corner
 };
