@@ -28,6 +28,7 @@ Command assess_command();
 Command stereo_command();
 Command rectify_command();
 Command relative_command();
+Command interest_command();
 Command verify_command();
 Command evaluate_command();
 Command grid_command();
@@ -65,6 +66,7 @@ struct CommandGroup {
       {"Single steps: one method, with its standard deviations",
        {
            relative_command(),
+           interest_command(),
            rectify_command(),
            volume_command(),
            profile_command(),
