@@ -1,0 +1,386 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/match/area_matching.h"
+
+#include <Eigen/Dense>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <numbers>
+
+#include "collinea/match/internal/area_kernels.h"
+
+namespace collinea {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+using Eigen::Vector2i;
+
+constexpr double kLeastCorrelation = 0.8;
+constexpr int kShiftUnknowns = 4;  // shift, gain, offset
+// What is left of less than this is rounding and noise of any image: of two so good ones neither is better.
+constexpr double kSmallResidual_grey = 1;  // a pixel
+constexpr double kSmallUncorrelated = 0.01;
+
+// A square of the template and the rectangle that is searched, cut out of their images.
+struct Cut {
+  int size = 0;               // of the template
+  int columns = 0, rows = 0;  // of positions; the searched rectangle is larger by size - 1
+  GreyImage pattern, searched;
+};
+
+GreyImage rectangle(const GreyImage& image, int left, int top, int width, int height) {
+  GreyImage out(width, height);
+  for (int y = 0; y < height; ++y) std::copy_n(image.row(top + y) + left, width, out.row(y));
+  return out;
+}
+
+// Sums over the windows of size x size pixels, by running sums of columns; padded as the kernels want it.
+template <class Value>
+std::vector<std::int32_t> window_sums(const GreyImage& image, int size, int columns, int rows, std::ptrdiff_t stride,
+                                      const Value& value) {
+  std::vector<std::int32_t> sums(static_cast<std::size_t>(stride * rows + kAreaPadding), 0);
+  std::vector<std::int32_t> of_column(static_cast<std::size_t>(image.width), 0);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      auto& sum = of_column[static_cast<std::size_t>(x)];
+      sum += value(image.at(x, y));
+      if (y >= size) sum -= value(image.at(x, y - size));
+    }
+    if (y < size - 1) continue;
+    std::int32_t sum = 0;
+    for (int x = 0; x < size - 1; ++x) sum += of_column[static_cast<std::size_t>(x)];
+    std::int32_t* out = sums.data() + stride * (y - size + 1);
+    for (int x = 0; x < columns; ++x) {
+      sum += of_column[static_cast<std::size_t>(x + size - 1)];
+      out[x] = sum;
+      sum -= of_column[static_cast<std::size_t>(x)];
+    }
+  }
+  return sums;
+}
+
+// Sums of the products of the template with all windows.
+std::vector<std::int32_t> products_of(const Cut& cut, std::ptrdiff_t stride) {
+  const GreyImage& searched = cut.searched;
+  const std::ptrdiff_t pair_stride = searched.width + kAreaPadding;
+  std::vector<std::int32_t> pairs(static_cast<std::size_t>(pair_stride * searched.height + kAreaPadding), 0);
+  for (int y = 0; y < searched.height; ++y) {
+    const std::uint8_t* from = searched.row(y);
+    std::int32_t* to = pairs.data() + y * pair_stride;
+    for (int x = 0; x + 1 < searched.width; ++x) to[x] = from[x] | from[x + 1] << 16;
+    to[searched.width - 1] = from[searched.width - 1];
+  }
+  const int half_width = (cut.size + 1) / 2;
+  std::vector<std::int32_t> halves(static_cast<std::size_t>(half_width * cut.size));
+  for (int y = 0; y < cut.size; ++y)
+    for (int x = 0; x < cut.size; x += 2)
+      halves[static_cast<std::size_t>(y * half_width + x / 2)] =
+          cut.pattern.at(x, y) | (x + 1 < cut.size ? cut.pattern.at(x + 1, y) << 16 : 0);
+  std::vector<std::int32_t> products(static_cast<std::size_t>(stride * cut.rows + kAreaPadding), 0);
+  cross_products(pairs.data(), pair_stride, halves.data(), half_width, cut.size, cut.rows, cut.columns, products.data(),
+                 stride);
+  return products;
+}
+
+std::int32_t square(std::int32_t value) { return value * value; }
+
+void by_products(const Cut& cut, CorrelationSurface& surface) {
+  const Similarity method = surface.method;
+  const std::ptrdiff_t stride = cut.columns + kAreaPadding;
+  const auto products = products_of(cut, stride);
+  const auto squares = window_sums(cut.searched, cut.size, cut.columns, cut.rows, stride, square);
+  std::int64_t sum = 0, square_sum = 0;
+  for (const std::uint8_t grey : cut.pattern.data) {
+    sum += grey;
+    square_sum += square(grey);
+  }
+  const double n = square(cut.size);
+  FloatImage& out = surface.values = FloatImage(cut.columns, cut.rows);
+  if (method == Similarity::kNcc) {
+    surface.deviations = out;
+    const auto sums =
+        window_sums(cut.searched, cut.size, cut.columns, cut.rows, stride, [](std::int32_t v) { return v; });
+    const double spread = n * double(square_sum) - double(sum) * double(sum);
+    std::vector<float> row(static_cast<std::size_t>(stride)), deviations(row.size());
+    for (int y = 0; y < cut.rows; ++y) {
+      const std::ptrdiff_t first = y * stride;
+      correlations(products.data() + first, sums.data() + first, squares.data() + first, std::size_t(cut.columns), n,
+                   double(sum), spread, row.data(), deviations.data());
+      std::copy_n(row.data(), cut.columns, out.row(y));
+      std::copy_n(deviations.data(), cut.columns, surface.deviations.row(y));
+    }
+    return;
+  }
+  for (int y = 0; y < cut.rows; ++y)
+    for (int x = 0; x < cut.columns; ++x) {
+      const auto i = static_cast<std::size_t>(y * stride + x);
+      const auto ssd = double(square_sum - 2 * std::int64_t{products[i]} + squares[i]);
+      out.at(x, y) = static_cast<float>(method == Similarity::kSsd ? ssd
+                                        : method == Similarity::kD ? std::sqrt(ssd)
+                                                                   : std::sqrt(ssd / n));
+    }
+}
+
+FloatImage by_differences(const Cut& cut) {
+  FloatImage out(cut.columns, cut.rows);
+  std::vector<std::int32_t> sums(static_cast<std::size_t>(cut.columns));
+  std::vector<std::uint16_t> of_row(sums.size());
+  for (int y = 0; y < cut.rows; ++y) {
+    std::fill(sums.begin(), sums.end(), 0);
+    for (int v = 0; v < cut.size; ++v) {
+      std::fill(of_row.begin(), of_row.end(), std::uint16_t{0});
+      for (int u = 0; u < cut.size; ++u) {  // at most 151 * 255
+        const int grey = cut.pattern.at(u, v);
+        const std::uint8_t* searched = cut.searched.row(y + v) + u;
+        for (std::size_t x = 0; x < of_row.size(); ++x)
+          of_row[x] = static_cast<std::uint16_t>(of_row[x] + std::abs(searched[x] - grey));
+      }
+      for (std::size_t x = 0; x < of_row.size(); ++x) sums[x] += of_row[x];
+    }
+    std::copy(sums.begin(), sums.end(), out.row(y));
+  }
+  return out;
+}
+
+// Which neighbours of a pixel are darker, a bit each, the first in the highest; beyond the border the nearest pixel.
+std::uint64_t darker_neighbours(const GreyImage& image, int column, int row, int half) {
+  std::uint64_t bits = 0;
+  const int grey = image.at(column, row);
+  for (int y = row - half; y <= row + half; ++y)
+    for (int x = column - half; x <= column + half; ++x) {
+      if (x == column && y == row) continue;
+      const int other = image.at(std::clamp(x, 0, image.width - 1), std::clamp(y, 0, image.height - 1));
+      bits = bits << 1 | std::uint64_t(other < grey);
+    }
+  return bits;
+}
+
+Raster<std::uint64_t> census_of(const GreyImage& image, int left, int top, int width, int height, int half) {
+  Raster<std::uint64_t> out(width, height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) out.at(x, y) = darker_neighbours(image, left + x, top + y, half);
+  return out;
+}
+
+FloatImage by_census(const Cut& cut, const Raster<std::uint64_t>& pattern, const Raster<std::uint64_t>& searched) {
+  FloatImage out(cut.columns, cut.rows);
+  for (int y = 0; y < cut.rows; ++y)
+    for (int x = 0; x < cut.columns; ++x) {
+      int sum = 0;
+      for (int v = 0; v < cut.size; ++v)
+        for (int u = 0; u < cut.size; ++u) sum += std::popcount(pattern.at(u, v) ^ searched.at(x + u, y + v));
+      out.at(x, y) = static_cast<float>(sum);
+    }
+  return out;
+}
+
+GreyImage ranks_of(const Raster<std::uint64_t>& census) {
+  GreyImage out(census.width, census.height);
+  for (std::size_t i = 0; i < census.data.size(); ++i)
+    out.data[i] = static_cast<std::uint8_t>(std::popcount(census.data[i]));
+  return out;
+}
+
+double residual_of(Similarity method, double value) {
+  switch (method) {
+    case Similarity::kNcc:
+      return value > 0 ? std::max(0.0, 1 - value * value) : 1;
+    case Similarity::kSad:
+    case Similarity::kD:
+    case Similarity::kDn:
+      return value * value;
+    default:
+      return value;
+  }
+}
+
+// Whether a value passes the threshold, which counts for a pixel of the template.
+bool passes(const CorrelationSurface& surface, double value, std::optional<double> threshold) {
+  if (surface.method == Similarity::kNcc) return value >= threshold.value_or(kLeastCorrelation);
+  if (!threshold) return true;
+  const double n = surface.pixels;
+  switch (surface.method) {
+    case Similarity::kSsd:
+      return std::sqrt(value / n) <= *threshold;
+    case Similarity::kD:
+      return value / std::sqrt(n) <= *threshold;
+    case Similarity::kDn:
+      return value <= *threshold;
+    default:
+      return value / n <= *threshold;
+  }
+}
+
+// The residual sum of squares (of sad: the sum of the absolute residuals) of which the extremum is sought. Of ncc that
+// with the gain at the candidate `pixel`: the correlation itself would move towards windows of more contrast, where the
+// same noise counts less.
+double objective(const CorrelationSurface& surface, const Vector2i& pixel, const Vector2i& at) {
+  const double value = surface.values.at(at.x(), at.y()), n = surface.pixels;
+  if (surface.method == Similarity::kNcc) {
+    const double here = surface.deviations.at(at.x(), at.y()), first = surface.deviations.at(pixel.x(), pixel.y());
+    return here * here + first * first - 2 * value * here * first;
+  }
+  if (surface.method == Similarity::kD) return value * value;
+  return surface.method == Similarity::kDn ? n * value * value : value;
+}
+
+// Noise against grey values makes the first term. Noise against noise, another for each of the nine values, makes the
+// second: the gradient of the paraboloid has a sixth of the variance of a value, ssd^2 / n or 0.315 sad^2 / n.
+std::optional<Matrix2d> covariance_of(const CorrelationSurface& surface, double least, const Matrix2d& hesse) {
+  if (surface.method == Similarity::kRank || surface.method == Similarity::kCensus) return std::nullopt;
+  const Matrix2d inverse = hesse.inverse();
+  const double n = surface.pixels, left_over = std::max(0.0, least);
+  if (surface.method == Similarity::kSad) {
+    const double mean = left_over / n;
+    return Matrix2d(std::numbers::pi / 2 * mean * inverse + 0.315 / 6 * n * mean * mean * inverse * inverse);
+  }
+  const double free = std::max(1.0, n - kShiftUnknowns);
+  return Matrix2d(2 * left_over / free * inverse + left_over * left_over / (6 * free) * inverse * inverse);
+}
+
+Vector2i pixel_of(const Vector2d& position_px) {
+  return {static_cast<int>(std::floor(position_px.x())), static_cast<int>(std::floor(position_px.y()))};
+}
+
+bool is_decisive(const CorrelationSurface& surface, const std::vector<AreaCandidate>& all, double ratio) {
+  if (all.size() < 2) return true;
+  const double n = surface.pixels;
+  double least = kSmallResidual_grey * n;
+  if (surface.method == Similarity::kNcc) least = kSmallUncorrelated;
+  if (surface.method == Similarity::kSad) least *= n;
+  if (surface.method == Similarity::kDn) least /= n;
+  return all[1].residual > ratio * std::max(all[0].residual, least);
+}
+
+AreaOptions without_return(AreaOptions options) {
+  options.return_px.reset();
+  return options;
+}
+
+}  // namespace
+
+CorrelationSurface correlation_surface(const GreyImage& image, const Vector2i& middle, int half, const GreyImage& other,
+                                       const Vector2i& expected, int range, Similarity method, int neighbourhood_px) {
+  CorrelationSurface surface{.method = method, .pixels = square(2 * half + 1)};
+  const int left = std::max(expected.x() - range, half), right = std::min(expected.x() + range, other.width - 1 - half);
+  const int top = std::max(expected.y() - range, half),
+            bottom = std::min(expected.y() + range, other.height - 1 - half);
+  const bool is_inside =
+      middle.minCoeff() >= half && middle.x() < image.width - half && middle.y() < image.height - half;
+  if (!is_inside || left > right || top > bottom) return surface;
+  surface.left = left;
+  surface.top = top;
+  Cut cut{.size = 2 * half + 1, .columns = right - left + 1, .rows = bottom - top + 1};
+  const int from_x = middle.x() - half, from_y = middle.y() - half, width = cut.columns + 2 * half,
+            height = cut.rows + 2 * half;
+  if (method == Similarity::kRank || method == Similarity::kCensus) {
+    const auto pattern = census_of(image, from_x, from_y, cut.size, cut.size, neighbourhood_px / 2);
+    const auto searched = census_of(other, left - half, top - half, width, height, neighbourhood_px / 2);
+    if (method == Similarity::kCensus) {
+      surface.values = by_census(cut, pattern, searched);
+    } else {
+      cut.pattern = ranks_of(pattern);
+      cut.searched = ranks_of(searched);
+      surface.values = by_differences(cut);
+    }
+    return surface;
+  }
+  cut.pattern = rectangle(image, from_x, from_y, cut.size, cut.size);
+  cut.searched = rectangle(other, left - half, top - half, width, height);
+  if (method == Similarity::kSad)
+    surface.values = by_differences(cut);
+  else
+    by_products(cut, surface);
+  return surface;
+}
+
+std::vector<AreaCandidate> candidates(const CorrelationSurface& surface, int radius, std::optional<double> threshold) {
+  const FloatImage& values = surface.values;
+  const float sign = is_larger_better(surface.method) ? 1 : -1;
+  std::vector<AreaCandidate> out;
+  for (int y = 0; y < values.height; ++y)
+    for (int x = 0; x < values.width; ++x) {
+      const float value = sign * values.at(x, y);
+      if (!passes(surface, values.at(x, y), threshold)) continue;
+      bool is_best = true;
+      for (int v = std::max(0, y - radius); is_best && v <= std::min(values.height - 1, y + radius); ++v)
+        for (int u = std::max(0, x - radius); is_best && u <= std::min(values.width - 1, x + radius); ++u) {
+          const float other = sign * values.at(u, v);
+          const bool is_earlier = v < y || (v == y && u < x);
+          is_best = is_earlier ? other < value : other <= value;
+          if (u == x && v == y) is_best = true;
+        }
+      if (is_best)
+        out.push_back(
+            {{surface.left + x, surface.top + y}, values.at(x, y), residual_of(surface.method, values.at(x, y))});
+    }
+  std::stable_sort(out.begin(), out.end(),
+                   [&](const AreaCandidate& a, const AreaCandidate& b) { return sign * a.value > sign * b.value; });
+  return out;
+}
+
+// Least squares over the nine points (x, y) = -1, 0, 1: the columns of 1, x, y, x^2, xy, y^2 are orthogonal but for 1
+// and the squares, so that the solution can be written down.
+std::optional<SubpixelPeak> subpixel_peak(const CorrelationSurface& surface, const Vector2i& pixel) {
+  const int column = pixel.x() - surface.left, row = pixel.y() - surface.top;
+  if (column < 1 || row < 1 || column > surface.values.width - 2 || row > surface.values.height - 2)
+    return std::nullopt;
+  double sum = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0;
+  for (int y = -1; y <= 1; ++y)
+    for (int x = -1; x <= 1; ++x) {
+      const double z = objective(surface, {column, row}, {column + x, row + y});
+      sum += z;
+      sx += x * z;
+      sy += y * z;
+      sxx += x * x * z;
+      sxy += x * y * z;
+      syy += y * y * z;
+    }
+  const Vector2d gradient(sx / 6, sy / 6);
+  const double xx = sxx / 2 - sum / 3, yy = syy / 2 - sum / 3, xy = sxy / 4;
+  const double middle = (5 * sum - 3 * (sxx + syy)) / 9;
+  Matrix2d hesse;
+  hesse << 2 * xx, xy, xy, 2 * yy;
+  if (!(hesse(0, 0) > 0 && hesse.determinant() > 1e-12 * hesse(0, 0) * hesse(1, 1))) return std::nullopt;
+  const Vector2d offset = -hesse.inverse() * gradient;
+  if (!(offset.cwiseAbs().maxCoeff() <= 1)) return std::nullopt;
+  const double least = middle + 0.5 * gradient.dot(offset);
+  return SubpixelPeak{offset, covariance_of(surface, least, hesse)};
+}
+
+AreaMatching match_area(const GreyImage& image, const Vector2d& position_px, const GreyImage& other,
+                        const Vector2d& expected_px, const AreaOptions& options) {
+  AreaMatching out;
+  if (!(position_px.cwiseAbs().maxCoeff() < 1e9 && expected_px.cwiseAbs().maxCoeff() < 1e9)) return out;
+  const int half = options.template_px / 2, range = std::max(1, (options.search_px - options.template_px) / 2);
+  const Vector2i middle = pixel_of(position_px);
+  out.surface = correlation_surface(image, middle, half, other, pixel_of(expected_px), range, options.method,
+                                    options.neighbourhood_px);
+  if (out.surface.values.empty()) return out;
+  out.candidates = candidates(out.surface, std::max(2, options.template_px / 4), options.threshold);
+  out.outcome = AreaOutcome::kNoCandidate;
+  if (out.candidates.empty()) return out;
+  out.outcome = AreaOutcome::kAmbiguous;
+  if (!is_decisive(out.surface, out.candidates, options.decisive_ratio)) return out;
+  out.outcome = AreaOutcome::kAtBorder;
+  const AreaCandidate& best = out.candidates.front();
+  const auto peak = subpixel_peak(out.surface, best.pixel);
+  if (!peak) return out;
+  const Vector2d pixel_middle = best.pixel.cast<double>() + Vector2d(0.5, 0.5);
+  const Vector2d from_middle = position_px - middle.cast<double>() - Vector2d(0.5, 0.5);
+  AreaMatch match{pixel_middle + peak->offset_px + from_middle, peak->covariance_px2, best.value, std::nullopt};
+  if (options.return_px) {
+    out.outcome = AreaOutcome::kNotReturned;
+    const auto back = match_area(other, match.position_px, image, position_px, without_return(options));
+    if (!back.match) return out;
+    match.returned_px = (back.match->position_px - position_px).norm();
+    if (*match.returned_px > *options.return_px) return out;
+  }
+  out.outcome = AreaOutcome::kFound;
+  out.match = match;
+  return out;
+}
+
+}  // namespace collinea

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "collinea/base/options.h"
+#include "collinea/raster/raster.h"
+
+// Area matching: a square template of one image is compared with every position in a search area of another, pixel by
+// pixel (Mussio 7.4 and A.9; Karfis 4.3; Bolognesi 5.6). Good to a fifth of a pixel; patch_matching.h goes on from
+// there.
+namespace collinea {
+
+/// How alike two windows T and S of n pixels are.
+enum class Similarity { kNcc, kSsd, kSad, kRank, kCensus, kD, kDn };
+inline constexpr Word<Similarity> kSimilarityWords[] = {
+    {Similarity::kNcc, "ncc",
+     "correlation coefficient cov(T, S) / (s_T s_S): -1 to 1, blind to brightness and contrast"},
+    {Similarity::kSsd, "ssd", "sum of the squared differences of grey values"},
+    {Similarity::kSad, "sad", "sum of their absolute differences"},
+    {Similarity::kRank, "rank", "sum of the absolute differences of ranks: how many neighbours are darker"},
+    {Similarity::kCensus, "census", "number of neighbours that are darker in one window and not in the other"},
+    {Similarity::kD, "d", "root of ssd"},
+    {Similarity::kDn, "dn", "root of the mean squared difference"},
+};
+constexpr std::span<const Word<Similarity>> words(Similarity) { return kSimilarityWords; }
+
+/// Whether larger values are more alike: of the correlation alone.
+[[nodiscard]] constexpr bool is_larger_better(Similarity similarity) { return similarity == Similarity::kNcc; }
+
+struct AreaOptions {
+  Similarity method = Similarity::kNcc;
+  int template_px = 21;
+  int search_px = 81;
+  int neighbourhood_px = 5;
+  std::optional<double> threshold;
+  double decisive_ratio = 1.5;
+  std::optional<double> return_px = 1;
+
+  template <class Visit>
+  static void describe(Visit&& visit) {
+    using O = AreaOptions;
+    visit(Field{"method", &O::method, "", "what is compared"});
+    visit(Field{"template_px", &O::template_px, "px", "side of the template, odd", 3, 151});
+    visit(Field{"search_px", &O::search_px, "px", "side of the window of the right image that is searched, odd", 5,
+                4001});
+    visit(Field{"neighbourhood_px", &O::neighbourhood_px, "px",
+                "side of the neighbourhood of rank and census: 3, 5 or 7", 3, 7});
+    visit(Field{"threshold", &O::threshold, "",
+                "smallest correlation of ncc (nothing: 0.8); of the others the largest value for each pixel of the "
+                "template, of ssd and d that of dn (nothing: none)"});
+    visit(Field{"decisive_ratio", &O::decisive_ratio, "",
+                "of several candidates the best is taken when the next has as many times its residual variance "
+                "(ncc: 1 - correlation squared)",
+                1, 1e6});
+    visit(Field{"return_px", &O::return_px, "px",
+                "the match, looked for in the left image, must come back so near to the point (forward-backward "
+                "check); nothing: not checked",
+                0, 1000}
+              .or_auto("no check"));
+  }
+};
+
+/// Similarities of a template to a search area: values.at(x, y) is that of the window of the other image whose middle
+/// is the pixel (left + x, top + y).
+struct CorrelationSurface {
+  Similarity method = Similarity::kNcc;
+  int pixels = 0;  ///< of the template
+  int left = 0, top = 0;
+  FloatImage values;
+  FloatImage deviations;  ///< of ncc: roots of the windows' sums of squares about their means [grey]
+};
+
+/// Compares the template of `half` pixels to each side of the middle pixel with the windows of `other` whose middles
+/// lie in a square of `range` pixels to each side of `expected`, as far as the image holds them. The correlation of a
+/// constant window is 0. neighbourhood_px: 3, 5 or 7, of rank and census; pixels so near to the border of an image
+/// compare with the nearest in it. Exact whole numbers up to 2^24. Empty when the template does not lie in its image,
+/// or no window in the other. Cost: range^2 half^2 * 16 products and sums, 21 x 21 in 201 x 201 below a millisecond
+/// (ncc, ssd, d, dn).
+[[nodiscard]] CorrelationSurface correlation_surface(const GreyImage& image, const Eigen::Vector2i& middle, int half,
+                                                     const GreyImage& other, const Eigen::Vector2i& expected, int range,
+                                                     Similarity method, int neighbourhood_px = 5);
+
+/// A place of a surface that is better than all around it.
+struct AreaCandidate {
+  Eigen::Vector2i pixel;  ///< middle of the window, in the other image
+  double value = 0;
+  /// What the template leaves unexplained there: 1 - correlation^2 (1 where the correlation is negative), the ssd, the
+  /// square of sad; rank and census as they are.
+  double residual = 0;
+};
+
+/// Positions that are better than all others within `radius` pixels (the first of equal ones) and pass the threshold of
+/// AreaOptions, best first.
+[[nodiscard]] std::vector<AreaCandidate> candidates(const CorrelationSurface& surface, int radius,
+                                                    std::optional<double> threshold);
+
+struct SubpixelPeak {
+  Eigen::Vector2d offset_px;  ///< from the middle of the pixel, within one pixel
+  /// Of ncc, ssd, sad, d and dn; nothing for rank and census.
+  std::optional<Eigen::Matrix2d> covariance_px2;
+};
+
+/// The extremum of the paraboloid through the nine values round a candidate, by least squares (6 parameters, redundancy
+/// 3). Covariance (docs/theory/area-matching.md): with the residual sum of squares O (ssd; of ncc with the gain at the
+/// candidate) and the Hesse matrix H at its minimum 2 O / (n - 4) H^-1 + O^2 / (6 (n - 4)) H^-2; of sad pi/2 sad/n H^-1
+/// + 0.0525 sad^2/n H^-2. It holds for white noise alike in both images; what a paraboloid over whole pixels adds (up
+/// to 0.1 px) no statistics tell. Nothing at the border of the surface or without an extremum within a pixel.
+[[nodiscard]] std::optional<SubpixelPeak> subpixel_peak(const CorrelationSurface& surface,
+                                                        const Eigen::Vector2i& pixel);
+
+/// Why there is no match.
+enum class AreaOutcome { kFound, kOutside, kNoCandidate, kAmbiguous, kAtBorder, kNotReturned };
+
+struct AreaMatch {
+  Eigen::Vector2d position_px;  ///< in the other image
+  std::optional<Eigen::Matrix2d> covariance_px2;
+  double value = 0;                   ///< of the similarity
+  std::optional<double> returned_px;  ///< distance from the point after matching back
+};
+
+struct AreaMatching {
+  AreaOutcome outcome = AreaOutcome::kOutside;
+  std::optional<AreaMatch> match;  ///< where it is kFound
+  std::vector<AreaCandidate> candidates;
+  CorrelationSurface surface;
+};
+
+/// The position in `other` of what lies at position_px in `image`, near expected_px: 0, 1 or many candidates
+/// (Mussio 7.9: none fails, one is accepted, of many the best when it is decisively better), sub-pixel position, and
+/// the way back.
+[[nodiscard]] AreaMatching match_area(const GreyImage& image, const Eigen::Vector2d& position_px,
+                                      const GreyImage& other, const Eigen::Vector2d& expected_px,
+                                      const AreaOptions& options);
+
+}  // namespace collinea
