@@ -95,26 +95,26 @@ class Weights {
   template <class Matrix>
   void whiten(Matrix& m) const {
     if (full_) {
-      whole_.matrixL().solveInPlace(m);
+      m = whole_.matrixL().solve(m).eval();
       return;
     }
     std::size_t begin = 0;
     for (const auto& factor : factors_) {
       auto block = m.middleRows(begin, factor.rows());
-      factor.matrixL().solveInPlace(block);
+      block = factor.matrixL().solve(block).eval();
       begin += static_cast<std::size_t>(factor.rows());
     }
   }
   template <class Matrix>
   void whiten_transposed(Matrix& m) const {  // L^-T
     if (full_) {
-      whole_.matrixU().solveInPlace(m);
+      m = whole_.matrixU().solve(m).eval();
       return;
     }
     std::size_t begin = 0;
     for (const auto& factor : factors_) {
       auto block = m.middleRows(begin, factor.rows());
-      factor.matrixU().solveInPlace(block);
+      block = factor.matrixU().solve(block).eval();
       begin += static_cast<std::size_t>(factor.rows());
     }
   }

@@ -110,7 +110,7 @@ double orthonormality_error(const Matrix3d& matrix) {
   return (matrix * matrix.transpose() - Matrix3d::Identity()).cwiseAbs().maxCoeff();
 }
 
-std::optional<Matrix3d> nearest_rotation(const Matrix3d& matrix) {
+std::optional<Matrix3d> rotation_nearest_to(const Matrix3d& matrix) {
   if (!matrix.allFinite() || !(matrix.determinant() > 0)) return std::nullopt;
   const Eigen::JacobiSVD<Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
   if (!(svd.singularValues()[1] > 1e-12 * svd.singularValues()[0])) return std::nullopt;

@@ -62,7 +62,7 @@ struct RodriguesParameters {
 [[nodiscard]] double orthonormality_error(const Eigen::Matrix3d& matrix);
 /// The rotation nearest to a matrix in the sum of squares of the elements (singular value decomposition). Nothing when
 /// the determinant is not positive, or the matrix has rank 1.
-[[nodiscard]] std::optional<Eigen::Matrix3d> nearest_rotation(const Eigen::Matrix3d& matrix);
+[[nodiscard]] std::optional<Eigen::Matrix3d> rotation_nearest_to(const Eigen::Matrix3d& matrix);
 
 /// The derivatives of R's elements by omega, phi and kappa (Mussio 2.4.1).
 struct RotationDerivatives {

@@ -130,12 +130,12 @@ TEST(RotationAngles, AMatrixOfRoundedElementsBecomesARotation) {
   Matrix3d rounded = rotation_matrix(CardanAngles{0.3, -0.4, 0.7});
   rounded = (rounded * 1000).array().round() / 1000;
   EXPECT_GT(orthonormality_error(rounded), 1e-4);
-  const auto r = nearest_rotation(rounded);
+  const auto r = rotation_nearest_to(rounded);
   ASSERT_TRUE(r);
   EXPECT_LT(orthonormality_error(*r), 1e-14);
   EXPECT_LT(apart(*r, rounded), 1e-3);
-  EXPECT_FALSE(nearest_rotation(-Matrix3d::Identity()));
-  EXPECT_FALSE(nearest_rotation(Matrix3d::Zero()));
+  EXPECT_FALSE(rotation_nearest_to(-Matrix3d::Identity()));
+  EXPECT_FALSE(rotation_nearest_to(Matrix3d::Zero()));
 }
 
 }  // namespace
