@@ -29,6 +29,7 @@ Command stereo_command();
 Command rectify_command();
 Command relative_command();
 Command interest_command();
+Command absolute_command();
 Command verify_command();
 Command evaluate_command();
 Command grid_command();
@@ -67,6 +68,7 @@ struct CommandGroup {
        {
            relative_command(),
            interest_command(),
+           absolute_command(),
            rectify_command(),
            volume_command(),
            profile_command(),

@@ -168,7 +168,8 @@ Given Flags::add(std::string_view name, std::optional<double>& value, std::strin
 }
 Given Flags::add(std::string_view name, std::optional<std::string>& value, std::string_view unit,
                  std::string_view help) {
-  return add_value(name, value, unit, help);
+  if (name != "out") return add_value(name, value, unit, help);
+  return finished(app_.add_option("-o," + new_flag(name), value, with_unit(help, unit)));  // as where it is required
 }
 
 int dispatch(int argc, char** argv, std::span<const Command> commands) {

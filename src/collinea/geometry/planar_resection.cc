@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/geometry/planar_resection.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace collinea {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+constexpr double kPi = std::numbers::pi;
+
+double around_zero(double angle) { return std::remainder(angle, 2 * kPi); }
+
+double cotangent(double angle) {
+  const double sine = std::sin(angle);
+  return std::cos(angle) / (std::abs(sine) > 1e-9 ? sine : std::copysign(1e-9, sine));
+}
+
+// The point common to the circles over two pairs of three points (Pierlot and Van Droogenbroeck 2014).
+std::optional<Vector2d> of_three(const PlanarDirection& a, const PlanarDirection& b, const PlanarDirection& c) {
+  const double t12 = cotangent(a.direction_rad - b.direction_rad), t23 = cotangent(b.direction_rad - c.direction_rad);
+  const double sum = t12 + t23;
+  const double t31 = (1 - t12 * t23) / (std::abs(sum) > 1e-12 ? sum : 1e-12);
+  const Vector2d p = a.to - b.to, q = c.to - b.to;
+  const Vector2d c12(p.x() + t12 * p.y(), p.y() - t12 * p.x()), c23(q.x() - t23 * q.y(), q.y() + t23 * q.x());
+  const Vector2d c31(q.x() + p.x() + t31 * (q.y() - p.y()), q.y() + p.y() - t31 * (q.x() - p.x()));
+  const double k31 = p.dot(q) + t31 * (p.x() * q.y() - q.x() * p.y());
+  const double d = (c12.x() - c23.x()) * (c23.y() - c31.y()) - (c12.y() - c23.y()) * (c23.x() - c31.x());
+  const Vector2d station = b.to + k31 / d * Vector2d(c12.y() - c23.y(), c23.x() - c12.x());
+  if (!station.allFinite()) return std::nullopt;
+  return station;
+}
+
+double azimuth(const Vector2d& from, const Vector2d& to) { return std::atan2(to.x() - from.x(), to.y() - from.y()); }
+
+// The azimuth of zero that suits best: the mean direction of what the single ones give.
+double orientation_at(std::span<const PlanarDirection> directions, const Vector2d& station) {
+  Vector2d sum = Vector2d::Zero();
+  for (const PlanarDirection& one : directions) {
+    const double zero = azimuth(station, one.to) - one.direction_rad;
+    sum += Vector2d(std::cos(zero), std::sin(zero)) / (one.sigma_rad * one.sigma_rad);
+  }
+  return std::atan2(sum.y(), sum.x());
+}
+
+// Misfits over their sigmas and the rows of the design.
+double linearise(std::span<const PlanarDirection> directions, const Vector2d& station, double orientation,
+                 std::vector<Vector3d>& rows, std::vector<double>& misfits) {
+  rows.clear();
+  misfits.clear();
+  double cost = 0;
+  for (const PlanarDirection& one : directions) {
+    const Vector2d to = one.to - station;
+    const double squared = to.squaredNorm();
+    rows.push_back(Vector3d(-to.y() / squared, to.x() / squared, -1) / one.sigma_rad);
+    misfits.push_back(around_zero(one.direction_rad - azimuth(station, one.to) + orientation) / one.sigma_rad);
+    cost += misfits.back() * misfits.back();
+  }
+  return std::isfinite(cost) ? cost : std::numeric_limits<double>::infinity();
+}
+
+std::optional<Matrix3d> inverse_of(const std::vector<Vector3d>& rows) {
+  Matrix3d normal = Matrix3d::Zero();
+  for (const Vector3d& row : rows) normal += row * row.transpose();
+  const Vector3d scale = normal.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(scale.asDiagonal() * normal * scale.asDiagonal());
+  if (!scale.allFinite() || !(eigen.eigenvalues()[0] > 1e-12)) return std::nullopt;
+  const Vector3d values = eigen.eigenvalues().cwiseInverse();
+  return Matrix3d(scale.asDiagonal() * eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose() *
+                  scale.asDiagonal());
+}
+
+std::optional<Vector2d> best_start(std::span<const PlanarDirection> directions) {
+  std::optional<Vector2d> best;
+  double least = std::numeric_limits<double>::infinity();
+  std::vector<Vector3d> rows;
+  std::vector<double> misfits;
+  int tried = 0;
+  for (std::size_t i = 0; i < directions.size(); ++i)
+    for (std::size_t j = i + 1; j < directions.size(); ++j)
+      for (std::size_t k = j + 1; k < directions.size() && tried < 200; ++k, ++tried) {
+        const auto station = of_three(directions[i], directions[j], directions[k]);
+        if (!station) continue;
+        const double cost = linearise(directions, *station, orientation_at(directions, *station), rows, misfits);
+        if (cost < least) {
+          least = cost;
+          best = station;
+        }
+      }
+  return best;
+}
+
+void add_danger_circle(std::span<const PlanarDirection> directions, PlanarResection& out) {
+  Matrix3d normal = Matrix3d::Zero();
+  Vector3d right = Vector3d::Zero();
+  const Vector2d origin = directions[0].to;
+  for (const PlanarDirection& one : directions) {
+    const Vector2d p = one.to - origin;
+    const Vector3d row(2 * p.x(), 2 * p.y(), 1);
+    normal += row * row.transpose();
+    right += row * p.squaredNorm();
+  }
+  const Vector3d circle = normal.ldlt().solve(right);
+  out.danger_radius = std::sqrt(circle.z() + circle.head<2>().squaredNorm());
+  out.danger_off = (out.station - origin - circle.head<2>()).norm() - out.danger_radius;
+}
+
+}  // namespace
+
+std::optional<PlanarResection> planar_resection(std::span<const PlanarDirection> directions) {
+  if (directions.size() < 3) return std::nullopt;
+  const auto start = best_start(directions);
+  if (!start) return std::nullopt;
+  PlanarResection out;
+  out.station = *start;
+  out.orientation_rad = orientation_at(directions, out.station);
+  std::vector<Vector3d> rows;
+  std::vector<double> misfits;
+  double cost = linearise(directions, out.station, out.orientation_rad, rows, misfits);
+  std::optional<Matrix3d> inverse;
+  for (int iteration = 0; iteration < 50; ++iteration) {
+    inverse = inverse_of(rows);
+    if (!inverse) return std::nullopt;
+    Vector3d right = Vector3d::Zero();
+    for (std::size_t i = 0; i < rows.size(); ++i) right += misfits[i] * rows[i];
+    Vector3d step = *inverse * right;
+    double next = 0;
+    for (int halving = 0; halving < 10; ++halving, step /= 2) {
+      next = linearise(directions, out.station + step.head<2>(), out.orientation_rad + step.z(), rows, misfits);
+      if (next <= cost * (1 + 1e-12) + 1e-20) break;
+    }
+    out.station += step.head<2>();
+    out.orientation_rad += step.z();
+    const bool is_settled = cost - next <= 1e-13 * cost;
+    cost = next;
+    if (is_settled) break;
+  }
+  if (!std::isfinite(cost)) return std::nullopt;
+  inverse = inverse_of(rows);
+  if (!inverse) return std::nullopt;
+  out.covariance = *inverse;
+  out.redundancy = static_cast<int>(directions.size()) - 3;
+  if (out.redundancy > 0) out.sigma0 = std::sqrt(cost / out.redundancy);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double redundancy = std::max(0.0, 1 - rows[i].dot(*inverse * rows[i]));
+    out.misfits_rad.push_back(misfits[i] * directions[i].sigma_rad);
+    out.redundancies.push_back(redundancy);
+    out.w.push_back(redundancy > 1e-9 ? misfits[i] / std::sqrt(redundancy) : 0);
+  }
+  if (out.orientation_rad = std::fmod(out.orientation_rad, 2 * kPi); out.orientation_rad < 0)
+    out.orientation_rad += 2 * kPi;
+  add_danger_circle(directions, out);
+  return out;
+}
+
+}  // namespace collinea

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace collinea {
+
+/// A direction read at a station on a horizontal circle, clockwise, to a known point of the plane (x east, y north).
+struct PlanarDirection {
+  Eigen::Vector2d to;
+  double direction_rad = 0, sigma_rad = 1;
+};
+
+/// A station found from directions (resection of Snellius and Pothenot; Mussio 3.4.1).
+struct PlanarResection {
+  Eigen::Vector2d station = Eigen::Vector2d::Zero();
+  double orientation_rad = 0;  ///< azimuth of the circle's zero, clockwise from y, in [0, 2 pi)
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of [station, orientation (rad)], by stated sigmas
+  int redundancy = 0;
+  double sigma0 = 1;                ///< 1 without redundancy
+  std::vector<double> misfits_rad;  ///< read minus computed
+  std::vector<double> redundancies, w;
+  double danger_radius = 0;  ///< of the circle through the points (by least squares of more than three)
+  double danger_off = 0;     ///< of the station off that circle: positive outside
+};
+
+/// By the circles of three directions in closed form (all triples, 200 at most), then least squares of all. Nothing
+/// with fewer than three, when the points coincide, or when the station is on the danger circle of the points.
+[[nodiscard]] std::optional<PlanarResection> planar_resection(std::span<const PlanarDirection> directions);
+
+}  // namespace collinea

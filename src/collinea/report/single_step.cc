@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/report/single_step.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "collinea/io/text.h"
+#include "collinea/math/fisher.h"
+#include "collinea/math/quantiles.h"
+
+namespace collinea {
+namespace {
+
+// So many digits behind the point that the standard deviation shows two.
+int decimals_for(std::optional<double> sigma, double value) {
+  if (!sigma || !std::isfinite(*sigma) || !(*sigma > 0)) {
+    const double size = std::abs(value);
+    return size > 0 && std::isfinite(size) ? std::clamp(6 - static_cast<int>(std::floor(std::log10(size))), 0, 12) : 6;
+  }
+  return std::clamp(1 - static_cast<int>(std::floor(std::log10(*sigma))), 0, 12);
+}
+
+}  // namespace
+
+std::string decimal_text(double value, int decimals) { return std::isfinite(value) ? fixed(value, decimals) : "-"; }
+
+std::string estimate_text(double value, std::optional<double> sigma) {
+  return decimal_text(value, decimals_for(sigma, value));
+}
+
+std::string sigma_text(std::optional<double> sigma) {
+  return sigma && std::isfinite(*sigma) ? decimal_text(*sigma, decimals_for(sigma, *sigma)) : "-";
+}
+
+std::string estimates_text(std::span<const Estimate> estimates) {
+  std::size_t name = 0, value = 0;
+  for (const Estimate& e : estimates) {
+    name = std::max(name, e.name.size());
+    value = std::max(value, estimate_text(e.value, e.sigma).size());
+  }
+  std::string text;
+  for (const Estimate& e : estimates) {
+    text += fmt::format("  {:<{}}  {:>{}}", e.name, name, estimate_text(e.value, e.sigma), value);
+    if (e.sigma) text += fmt::format("  +- {}", sigma_text(e.sigma));
+    text += (e.unit.empty() ? "" : " " + e.unit) + "\n";
+  }
+  return text;
+}
+
+TextTable estimates_table(std::span<const Estimate> estimates) {
+  TextTable table;
+  table.columns = {{"parameter", ""}, {"value", ""}, {"sigma", ""}, {"unit", ""}};
+  for (const Estimate& e : estimates)
+    table.rows.push_back({e.name, exact(e.value), e.sigma ? exact(*e.sigma) : "-", e.unit.empty() ? "1" : e.unit});
+  return table;
+}
+
+std::string correlations_text(std::span<const Estimate> estimates, const Eigen::MatrixXd& covariance, double least,
+                              std::size_t most) {
+  struct Pair {
+    std::size_t i, j;
+    double correlation;
+  };
+  std::vector<Pair> strong;
+  for (std::size_t i = 0; i < estimates.size(); ++i)
+    for (std::size_t j = i + 1; j < estimates.size(); ++j) {
+      const auto a = static_cast<Eigen::Index>(i), b = static_cast<Eigen::Index>(j);
+      const double correlation = covariance(a, b) / std::sqrt(covariance(a, a) * covariance(b, b));
+      if (std::abs(correlation) > least) strong.push_back({i, j, correlation});
+    }
+  std::stable_sort(strong.begin(), strong.end(),
+                   [](const Pair& a, const Pair& b) { return std::abs(a.correlation) > std::abs(b.correlation); });
+  std::string text;
+  for (std::size_t k = 0; k < std::min(strong.size(), most); ++k)
+    text += fmt::format("{}{} and {} {:+.3f}", k ? ", " : "", estimates[strong[k].i].name, estimates[strong[k].j].name,
+                        strong[k].correlation);
+  return text.empty() ? text : "strong correlations: " + text + "\n";
+}
+
+TextTable correlations_table(std::span<const Estimate> estimates, const Eigen::MatrixXd& covariance) {
+  TextTable table;
+  table.columns = {{"parameter", ""}};
+  for (const Estimate& e : estimates) table.columns.push_back({e.name, ""});
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    std::vector<std::string> row{estimates[i].name};
+    for (std::size_t j = 0; j < estimates.size(); ++j) {
+      const auto a = static_cast<Eigen::Index>(i), b = static_cast<Eigen::Index>(j);
+      row.push_back(decimal_text(covariance(a, b) / std::sqrt(covariance(a, a) * covariance(b, b)), 6));
+    }
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+double VarianceTest::limit() const {
+  return sigmas_are_stated || redundancy <= 1 ? normal_limit(alpha) : tau_limit(alpha, redundancy);
+}
+
+std::string variance_text(const VarianceTest& test) {
+  if (test.redundancy <= 0) return "redundancy 0: nothing checks the measurements, sigmas are those assumed for them\n";
+  std::string text = fmt::format("sigma0 {:.4g}, redundancy {}", test.sigma0, test.redundancy);
+  if (!test.sigmas_are_stated)
+    return text + "; no standard deviations were stated: sigma0 is estimated and used in all sigmas\n";
+  const double tail = fisher_tail(test.sigma0 * test.sigma0, test.redundancy, INFINITY);
+  if (tail < test.alpha)
+    return text + fmt::format("; residuals are larger than the stated sigmas allow (chance {:.1e})\n", tail);
+  if (tail > 1 - test.alpha) return text + "; residuals are smaller than the stated sigmas let expect\n";
+  return text + fmt::format("; agrees with the stated sigmas (chance of more {:.0f} %)\n", 100 * tail);
+}
+
+std::string indented_rows(const TextTable& table) {
+  TextTable plain = table;
+  plain.remarks.clear();
+  std::string text;
+  const std::string all = text_of(plain);
+  for (const std::string_view line : lines_of(all))
+    if (!line.empty()) text += "  " + std::string(line) + "\n";
+  return text;
+}
+
+std::string counted_text(std::size_t count, const std::string& noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
+}  // namespace collinea

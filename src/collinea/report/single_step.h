@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "collinea/io/text_table.h"
+
+namespace collinea {
+
+// What the commands of one method have in common: estimates with standard deviations, the test of the whole and of
+// each measurement, tables.
+
+/// A quantity as it was estimated.
+struct Estimate {
+  std::string name, unit;
+  double value = 0;
+  std::optional<double> sigma = {};  ///< nothing: none can be stated
+};
+
+/// A value with so many digits that its standard deviation shows two, and the standard deviation.
+[[nodiscard]] std::string estimate_text(double value, std::optional<double> sigma);
+[[nodiscard]] std::string sigma_text(std::optional<double> sigma);
+/// A line each, columns aligned, indented_rows by two blanks.
+[[nodiscard]] std::string estimates_text(std::span<const Estimate> estimates);
+/// Columns parameter, value, sigma, unit.
+[[nodiscard]] TextTable estimates_table(std::span<const Estimate> estimates);
+
+/// The matrix of correlations of estimates in their order, from a covariance: those beyond `least` in words, the
+/// strongest first, at most `most`.
+[[nodiscard]] std::string correlations_text(std::span<const Estimate> estimates, const Eigen::MatrixXd& covariance,
+                                            double least = 0.7, std::size_t most = 6);
+/// Columns parameter and one for each estimate.
+[[nodiscard]] TextTable correlations_table(std::span<const Estimate> estimates, const Eigen::MatrixXd& covariance);
+
+/// The variance of unit weight against the standard deviations of the measurements.
+struct VarianceTest {
+  double sigma0 = 1;
+  int redundancy = 0;
+  bool sigmas_are_stated = false;  ///< otherwise sigma0 is what they are multiplied by
+  double alpha = 0.001;
+
+  /// By what stated standard deviations are multiplied: 1 where they stand for themselves.
+  [[nodiscard]] double factor() const { return sigmas_are_stated || redundancy <= 0 ? 1 : sigma0; }
+  /// Of the test w of one measurement, made with the standard deviations times factor(): normal, or tau.
+  [[nodiscard]] double limit() const;
+};
+[[nodiscard]] std::string variance_text(const VarianceTest& test);
+
+/// The rows of a table indented_rows by two blanks, without remarks.
+[[nodiscard]] std::string indented_rows(const TextTable& table);
+[[nodiscard]] std::string decimal_text(double value, int decimals);  ///< "-" where it is not finite
+
+/// "1 point", "3 points".
+[[nodiscard]] std::string counted_text(std::size_t count, const std::string& noun);
+
+/// A table under the name of its file.
+struct NamedTable {
+  std::string name;
+  TextTable table;
+};
+
+}  // namespace collinea
