@@ -28,6 +28,7 @@ Command assess_command();
 Command stereo_command();
 Command rectify_command();
 Command verify_command();
+Command interior_command();
 
 /// Commands under one heading of the help.
 struct CommandGroup {
@@ -61,6 +62,7 @@ struct CommandGroup {
        }},
       {"Single steps: one method, with its standard deviations",
        {
+           interior_command(),
            rectify_command(),
            volume_command(),
            profile_command(),
