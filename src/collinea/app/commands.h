@@ -33,6 +33,7 @@ Command absolute_command();
 Command verify_command();
 Command evaluate_command();
 Command grid_command();
+Command interior_command();
 
 /// Commands under one heading of the help.
 struct CommandGroup {
@@ -69,6 +70,7 @@ struct CommandGroup {
            relative_command(),
            interest_command(),
            absolute_command(),
+           interior_command(),
            rectify_command(),
            volume_command(),
            profile_command(),

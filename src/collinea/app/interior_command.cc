@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/app/commands.h"
+#include "collinea/app/console_command.h"
+#include "collinea/jobs/interior.h"
+
+namespace collinea {
+
+Command interior_command() {
+  struct Asked {
+    std::string measurements;
+    InteriorOptions options;
+    ConsoleOptions console;
+  };
+  return console_command<Asked>(
+      "interior", "interior orientation of scanned photographs by their fiducial marks",
+      [](Flags& flags, Asked& asked) {
+        flags.positional("measurements", asked.measurements, "table of measured marks: image mark x[px] y[px]", false);
+        flags.add_all(asked.options, "interior");
+        flags.add_all(asked.console, "run");
+      },
+      [](Asked& asked, Console& console) {
+        return interior_orientation(asked.measurements, asked.options, console.run()).map(interior_text);
+      });
+}
+
+}  // namespace collinea

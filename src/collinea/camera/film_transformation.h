@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "collinea/base/words.h"
+
+namespace collinea {
+
+// Interior orientation of a scanned photograph: from image coordinates of the film [mm, x right, y up] to pixels of the
+// scan [column, row, y down] by a transformation that is fitted to fiducial marks. With q = (x, -y), R(k) a rotation by
+// k (from the column towards the row) and c the pixel of the film's origin:
+//     rigid        3   pixel = c + R(k) q / p, p the given size of a pixel
+//     similarity   4   pixel = c + m R(k) q
+//     two scales   5   pixel = c + R(k) diag(mx, my) q
+//     affine       6   pixel = c + R(k) [mx  my s; 0  my] q
+//     projective   8   pixel = c + (R(k) [mx  my s; 0  my] q) / (1 + g q_x + h q_y)
+// Each holds the ones before it. The two scales of the plotters, x = x0 + lx u cos a + ly v sin a (Franco 4, with the
+// sign of the print corrected), lie along the axes of
+// the comparator, here along those of the film, which is what shrinks. Of a photograph scanned from its back q = (x,
+// y).
+
+enum class FilmModel { kRigid, kSimilarity, kTwoScales, kAffine, kProjective };
+inline constexpr Word<FilmModel> kFilmModelWords[] = {
+    {FilmModel::kRigid, "rigid", "3 parameters: shift and rotation, the size of a pixel is given"},
+    {FilmModel::kSimilarity, "similarity", "4: and one scale"},
+    {FilmModel::kTwoScales, "two_scales", "5: a scale along each axis of the film"},
+    {FilmModel::kAffine, "affine", "6: and a shear"},
+    {FilmModel::kProjective, "projective", "8: and two of perspective"}};
+[[nodiscard]] constexpr std::span<const Word<FilmModel>> words(FilmModel) { return kFilmModelWords; }
+[[nodiscard]] int parameter_count(FilmModel model);
+
+/// A parameter of a model by its place: "column", "row" [px], "rotation" [rad], "scale_x", "scale_y" [px/mm; of the
+/// similarity "scale_x" stands for both], "shear" [1], "perspective_x", "perspective_y" [1/mm].
+[[nodiscard]] std::string_view film_parameter_name(int parameter);
+[[nodiscard]] std::string_view film_parameter_unit(int parameter);
+
+/// A measured position with its covariance.
+struct Position2 {
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+};
+
+/// The transformation with its parameters; a value.
+struct FilmTransformation {
+  FilmModel model = FilmModel::kSimilarity;
+  bool is_mirrored = false;
+  double scale_px_per_mm = 1;  ///< of the rigid one
+  /// Of the model, in the order of film_parameter_name().
+  Eigen::VectorXd parameters = Eigen::VectorXd::Zero(4);
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(4, 4);
+
+  [[nodiscard]] Eigen::Vector2d pixel_of(const Eigen::Vector2d& film_mm) const;
+  /// By Newton's method, to rounding. Nothing beyond the horizon of a perspective.
+  [[nodiscard]] std::optional<Eigen::Vector2d> film_of(const Eigen::Vector2d& pixel) const;
+  /// The same with the covariance that the parameters give it [px^2].
+  [[nodiscard]] Position2 pixel_with_covariance(const Eigen::Vector2d& film_mm) const;
+  /// The same in mm^2, of the parameters and of the measurement of the pixel.
+  [[nodiscard]] std::optional<Position2> film_with_covariance(const Eigen::Vector2d& pixel,
+                                                              const Eigen::Matrix2d& pixel_covariance) const;
+  /// Derivatives of pixel_of() by the parameters, and by the film coordinates.
+  [[nodiscard]] Eigen::Matrix<double, 2, Eigen::Dynamic> by_parameters(const Eigen::Vector2d& film_mm) const;
+  [[nodiscard]] Eigen::Matrix2d by_film(const Eigen::Vector2d& film_mm) const;
+};
+
+/// The route without marks: the pixel of the principal point of the film, and the size of a pixel (25.4 / dpi mm). The
+/// columns of the scan are then the x axis of the film; its rotation on the scanner becomes part of kappa (Karfis 1.3).
+[[nodiscard]] FilmTransformation without_marks(const Eigen::Vector2d& origin_pixel, double pixel_mm);
+
+/// A fiducial mark: where the calibration has it and where it was measured.
+struct FilmMark {
+  std::string name;
+  Eigen::Vector2d film_mm = Eigen::Vector2d::Zero();
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< of the pixel [px^2]
+  double calibration_sigma_mm = 0;                           ///< of film_mm, each coordinate
+};
+
+/// What the fit says of a mark.
+struct FilmMarkResidual {
+  std::string name;
+  Eigen::Vector2d residual_px = Eigen::Vector2d::Zero();  ///< measured minus transformed
+  Eigen::Vector2d w = Eigen::Vector2d::Zero();            ///< residual over its sigma (tau, where sigmas are unknown)
+  Eigen::Vector2d redundancy = Eigen::Vector2d::Zero();
+  double misread_chance = 1;  ///< of such residuals of a good mark: chi-squared or F test of both coordinates
+  bool is_used = true;        ///< false: rejected as misread; the residual is that of a check
+};
+
+struct FilmFitOptions {
+  bool sigmas_are_known = false;   ///< else covariances are scaled by sigma0
+  double level = 0.001;            ///< of the test for a misread mark, of all marks together
+  bool reject_misread = true;      ///< one at a time, while two degrees of freedom remain
+  std::optional<double> pixel_mm;  ///< given size of a pixel: the rigid model needs it
+};
+
+/// A fitted transformation with what tells how good it is.
+struct FilmFit {
+  FilmTransformation transformation;
+  double squares = 0;  ///< weighted sum of squared residuals
+  int redundancy = 0;
+  double sigma0 = 1;  ///< sqrt(squares / redundancy); 1 without redundancy
+  std::vector<FilmMarkResidual> marks;
+};
+
+/// Weighted least squares: measured pixels are the observations, those of the calibration enter by their sigma. Rank
+/// defects are those of the marks: fewer coordinates than parameters, all marks on a line (two scales and more), three
+/// of four on one (projective), no size of a pixel (rigid). Then nothing. Whether the scan is mirrored is found by the
+/// similarity that fits better.
+[[nodiscard]] std::optional<FilmFit> fit_film(std::span<const FilmMark> marks, FilmModel model,
+                                              const FilmFitOptions& options);
+
+/// A smaller model against a larger one that holds it: F test, or chi-squared where sigmas are known.
+struct FilmModelTest {
+  FilmModel smaller{}, larger{};
+  double statistic = 0;  ///< F; chi-squared over its degrees of freedom where sigmas are known
+  double chance = 1;     ///< of a larger one if the smaller model holds
+};
+
+struct FilmChoice {
+  FilmFit fit;                       ///< of the model that was chosen
+  std::vector<FilmModelTest> tests;  ///< of every pair that has redundancy
+};
+
+/// The smallest model that none of the larger ones rejects, at the level `level` for all tests against it together. All
+/// are fitted to the same marks: those that stay when the affine model (or the largest that the marks allow) rejects
+/// the misread ones. Where nothing can be tested, the smallest that is determined. Nothing when not even a similarity
+/// is.
+[[nodiscard]] std::optional<FilmChoice> choose_film_model(std::span<const FilmMark> marks,
+                                                          const FilmFitOptions& options, double level = 0.05);
+
+/// A value with its standard deviation.
+struct WithSigma {
+  double value = 0, sigma = 0;
+};
+
+/// What happened to film and scan between camera and pixels, by the affine transformation.
+struct FilmDeformation {
+  WithSigma pixel_x_um, pixel_y_um;          ///< size of a pixel along the axes of the film, if the film is undeformed
+  WithSigma difference_ppm;                  ///< scale in x over scale in y, less 1
+  WithSigma shear_ppm;                       ///< of the angle between the axes, 1e-6 rad
+  WithSigma rotation_rad;                    ///< of the film on the scanner, columns towards rows
+  std::optional<WithSigma> x_ppm, y_ppm;     ///< against the given size of a pixel
+  bool differs = false, is_sheared = false;  ///< difference and shear beyond what chance makes of none (level 0.05)
+};
+[[nodiscard]] std::optional<FilmDeformation> film_deformation(std::span<const FilmMark> marks,
+                                                              const FilmFitOptions& options);
+
+}  // namespace collinea

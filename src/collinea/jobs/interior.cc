@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/jobs/interior.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "collinea/base/file.h"
+#include "collinea/io/film_calibration_file.h"
+#include "collinea/io/number_rows.h"
+
+namespace collinea {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Vector2d;
+
+// Readings of the marks of one image.
+struct ImageReadings {
+  std::string image;
+  std::vector<MarkReading> readings;
+};
+
+// A table of positions in an image, whatever they are of.
+struct Positions {
+  std::vector<std::string> images, names;
+  std::vector<Vector2d> at;  // y down
+  std::vector<double> sigmas;
+  bool has_sigmas = false;
+  std::string unit;  // px or mm
+};
+
+Result<Positions> read_positions(const fs::path& path, std::string_view name, double sigma) {
+  const auto in_file = [&](Error e) { return std::move(e).within(path.string()); };
+  COLLINEA_TRY(const TextTable table, read_text_table(path));
+  Positions out;
+  const std::string stated = table.unit_of("x");
+  out.unit = stated.empty() || stated == "px" ? "px" : "mm";
+  COLLINEA_TRY(out.names, table.words(name).map_error(in_file));
+  COLLINEA_TRY(const auto x, table.numbers("x", out.unit).map_error(in_file));
+  COLLINEA_TRY(const auto y, table.numbers("y", out.unit).map_error(in_file));
+  COLLINEA_TRY(out.sigmas, table.numbers_or("sigma", out.unit, sigma).map_error(in_file));
+  out.images.assign(out.names.size(), "");
+  if (table.has("image")) {
+    COLLINEA_TRY(out.images, table.words("image").map_error(in_file));
+  }
+  out.has_sigmas = table.has("sigma");
+  for (std::size_t i = 0; i < x.size(); ++i) out.at.emplace_back(x[i], out.unit == "px" ? y[i] : -y[i]);
+  for (const double one : out.sigmas)
+    if (!(one >= 0)) return fail(Errc::kBadInput, path.string() + ": a sigma below zero");
+  return out;
+}
+
+std::vector<ImageReadings> by_image(const Positions& positions) {
+  std::vector<ImageReadings> out;
+  for (std::size_t i = 0; i < positions.names.size(); ++i) {
+    const auto same = [&](const ImageReadings& one) { return one.image == positions.images[i]; };
+    auto found = std::find_if(out.begin(), out.end(), same);
+    if (found == out.end()) found = out.insert(out.end(), {positions.images[i], {}});
+    found->readings.push_back({positions.names[i], positions.at[i], positions.sigmas[i]});
+  }
+  return out;
+}
+
+Result<std::optional<double>> pixel_mm_of(const InteriorOptions& options) {
+  if (options.pixel_um && options.dpi)
+    return fail(Errc::kBadInput, "the size of a pixel stands there twice", {"pixel_um"_option, "dpi"_option});
+  if (options.pixel_um) return *options.pixel_um / 1000;
+  if (options.dpi) return 25.4 / *options.dpi;
+  return std::optional<double>();
+}
+
+// Calibrated and measured marks, brought together by name.
+std::vector<FilmMark> matched(const FilmCalibration& calibration, InteriorReport::Image& image) {
+  std::vector<FilmMark> marks;
+  for (const ReadMark& read : image.readings.marks) {
+    const auto& all = calibration.marks;
+    const auto known = std::find_if(all.begin(), all.end(), [&](const auto& mark) { return mark.name == read.mark; });
+    if (known == all.end()) {
+      image.unknown.push_back(read.mark);
+      continue;
+    }
+    marks.push_back({read.mark, known->film_mm, read.position, read.sigma * read.sigma * Eigen::Matrix2d::Identity(),
+                     known->sigma_mm});
+  }
+  for (const CalibratedMark& mark : calibration.marks)
+    if (std::none_of(marks.begin(), marks.end(), [&](const FilmMark& one) { return one.name == mark.name; }))
+      image.missing.push_back(mark.name);
+  return marks;
+}
+
+Result<InteriorReport::Image> orient_image(const FilmCalibration& calibration, const ImageReadings& read,
+                                           const InteriorOptions& options, const FilmFitOptions& fitting,
+                                           double least_sigma) {
+  InteriorReport::Image image{.name = read.image};
+  image.readings = mean_of_readings(read.readings, least_sigma);
+  std::vector<FilmMark> marks = matched(calibration, image);
+  // Without known sigmas marks weigh alike: what several readings share is no smaller for their number.
+  if (!fitting.sigmas_are_known)
+    for (FilmMark& mark : marks) mark.covariance.setIdentity(), mark.calibration_sigma_mm = 0;
+  std::optional<FilmChoice> choice;
+  if (options.model) {
+    if (auto fit = fit_film(marks, *options.model, fitting)) choice = FilmChoice{*std::move(fit), {}};
+  } else {
+    choice = choose_film_model(marks, fitting);
+  }
+  const std::string name = read.image.empty() ? "the image" : "image " + read.image;
+  if (!choice && options.model == FilmModel::kRigid && !fitting.pixel_mm)
+    return fail(Errc::kBadInput, "a rigid transformation needs the size of a pixel", {"pixel_um"_option, "dpi"_option});
+  if (!choice)
+    return fail(Errc::kIllPosed, fmt::format("{}: {} of its marks are in the calibration, and their positions do not "
+                                             "determine the transformation",
+                                             name, marks.size()));
+  image.orientation = *std::move(choice);
+  image.deformation = film_deformation(marks, fitting);
+  return image;
+}
+
+Result<> add_points(InteriorReport& report, const InteriorOptions& options) {
+  COLLINEA_TRY(const Positions points, read_positions(*options.points, "point", options.point_sigma));
+  if (points.unit != report.unit)
+    return fail(Errc::kBadInput, fmt::format("marks are in {}, points in {}", report.unit, points.unit),
+                {"points"_option});
+  for (std::size_t i = 0; i < points.names.size(); ++i) {
+    const auto named = [&](const auto& image) { return image.name == points.images[i]; };
+    auto image = std::find_if(report.images.begin(), report.images.end(), named);
+    if (image == report.images.end() && report.images.size() == 1 &&
+        (points.images[i].empty() || report.images[0].name.empty()))
+      image = report.images.begin();
+    if (image == report.images.end())
+      return fail(Errc::kBadInput, fmt::format("{}: point {} is of image \"{}\", whose marks are not there",
+                                               options.points->string(), points.names[i], points.images[i]));
+    const double sigma = points.sigmas[i];
+    const auto film = image->orientation.fit.transformation.film_with_covariance(
+        points.at[i], sigma * sigma * Eigen::Matrix2d::Identity());
+    if (!film) return fail(Errc::kBadInput, fmt::format("point {} lies beyond the film", points.names[i]));
+    report.points.push_back({points.images[i].empty() ? image->name : points.images[i], points.names[i], film->position,
+                             corrected_mm(report.calibration, film->position), film->covariance});
+  }
+  return {};
+}
+
+Result<> write_tables(const InteriorReport& report, const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return fail(Errc::kBadInput, "cannot make " + folder.string() + ": " + error.message(), {"out"_option});
+  COLLINEA_TRY(write_file(folder / "interior.txt", text_of(parameter_table(report))));
+  COLLINEA_TRY(write_file(folder / "residuals.txt", text_of(residual_table(report))));
+  if (!report.points.empty()) return write_file(folder / "points.txt", text_of(point_table(report)));
+  return {};
+}
+
+// By principal point and size of a pixel: where its pixel says the principal point is, the calibration has it.
+Result<InteriorReport::Image> orient_without_marks(const FilmCalibration& calibration, const InteriorOptions& options,
+                                                   std::optional<double> pixel_mm) {
+  if (!pixel_mm)
+    return fail(Errc::kBadInput, "without marks the size of a pixel is needed", {"pixel_um"_option, "dpi"_option});
+  const auto at = parse_numbers(*options.principal_point_px);
+  if (!at || at->size() != 2)
+    return fail(Errc::kBadInput, "the principal point is not two numbers with a comma between",
+                {"principal_point_px"_option});
+  InteriorReport::Image image{.has_marks = false};
+  FilmTransformation& t = image.orientation.fit.transformation;
+  t = without_marks({(*at)[0], (*at)[1]}, *pixel_mm);
+  t = without_marks(2 * Vector2d((*at)[0], (*at)[1]) - t.pixel_of(calibration.principal_point_mm), *pixel_mm);
+  return image;
+}
+
+Result<> orient_table(InteriorReport& report, const fs::path& measurements, const InteriorOptions& options,
+                      std::optional<double> pixel_mm) {
+  if (report.calibration.marks.empty())
+    return fail(Errc::kBadInput, "the calibration has no marks: lines mark NAME X Y", {"calibration"_option});
+  COLLINEA_TRY(const Positions positions, read_positions(measurements, "mark", options.sigma.value_or(1)));
+  report.unit = positions.unit;
+  const bool in_pixels = report.unit == "px";
+  if (!in_pixels && pixel_mm)
+    return fail(Errc::kBadInput, "the marks are in mm: their scale is 1, not the size of a pixel",
+                {"pixel_um"_option, "dpi"_option});
+  for (const double sigma : positions.sigmas)
+    if (!(sigma > 0)) return fail(Errc::kBadInput, measurements.string() + ": a mark without noise: sigma is zero");
+  report.sigmas_are_known = positions.has_sigmas || options.sigma;
+  const FilmFitOptions fitting{.sigmas_are_known = report.sigmas_are_known,
+                               .reject_misread = !options.keep_misread,
+                               .pixel_mm = in_pixels ? pixel_mm : std::optional<double>(1)};
+  for (const ImageReadings& read : by_image(positions)) {
+    COLLINEA_TRY(auto image, orient_image(report.calibration, read, options, fitting, in_pixels ? 0.5 : 0.005));
+    report.images.push_back(std::move(image));
+  }
+  if (report.images.empty()) return fail(Errc::kBadInput, measurements.string() + ": the table has no rows");
+  return {};
+}
+
+}  // namespace
+
+Result<InteriorReport> interior_orientation(const fs::path& measurements, const InteriorOptions& options, const Run&) {
+  COLLINEA_TRY(validate(options));
+  if (!options.calibration)
+    return fail(Errc::kBadInput, "nothing says what the camera is: give its calibration", {"calibration"_option});
+  if (measurements.empty() == !options.principal_point_px)
+    return fail(Errc::kBadInput, "an orientation is made from measured marks or from the principal point, one of both",
+                {"principal_point_px"_option});
+  InteriorReport report;
+  COLLINEA_TRY(report.calibration, read_film_calibration(*options.calibration));
+  COLLINEA_TRY(const auto pixel_mm, pixel_mm_of(options));
+  if (measurements.empty()) {
+    COLLINEA_TRY(auto image, orient_without_marks(report.calibration, options, pixel_mm));
+    report.images.push_back(std::move(image));
+  } else {
+    COLLINEA_TRY(orient_table(report, measurements, options, pixel_mm));
+  }
+  if (options.points) {
+    COLLINEA_TRY(add_points(report, options));
+  }
+  if (options.out) {
+    COLLINEA_TRY(write_tables(report, *options.out));
+  }
+  return report;
+}
+
+}  // namespace collinea

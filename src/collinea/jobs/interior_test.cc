@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/jobs/interior.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "collinea/base/file.h"
+#include "collinea/base/source_tree.h"
+#include "collinea/base/test_folder.h"
+
+namespace collinea {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The camera of the pair 27/28 of film_pairs, from its certificate.
+constexpr const char* kCamera =
+    "camera RC30\nprincipal_distance_mm 153.358\nprincipal_point_mm -0.006 0.006\n"
+    "radial_correction 0.8878e-4 -0.1528e-7 0.5256e-12\ndecentring_correction 0.1346e-6 0.1224e-7\n"
+    "mark 1 -105.997 -105.995\nmark 2 106.004 106.008\nmark 3 -106.000 106.009\nmark 4 106.012 -105.995\n"
+    "mark 5 -112.000 0.007\nmark 6 112.006 0.007\nmark 7 0.005 112.007\nmark 8 0.002 -111.998\n";
+
+// The first reader's marks of image 27.
+constexpr const char* kMarks =
+    "image mark x[px] y[px]\n27 1 1347 19285\n27 2 19161 1470\n27 3 1345 1471\n27 4 19163 19283\n"
+    "27 5 843 10379\n27 6 19666 10376\n27 7 10254 966\n27 8 10254 19789\n";
+
+class Interior : public ::testing::Test {
+ protected:
+  fs::path file(const std::string& name, const std::string& text) {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+  InteriorOptions options() { return {.calibration = file("camera.txt", kCamera)}; }
+  std::string message(const std::string& marks, const InteriorOptions& asked) {
+    const auto done = interior_orientation(marks.empty() ? fs::path() : file("marks.txt", marks), asked, {});
+    return done ? "" : done.error().message;
+  }
+  TestFolder folder_;
+};
+
+TEST_F(Interior, ARealPhotographIsOrientedToAPixel) {
+  auto asked = options();
+  asked.points = file("points.txt", "point x[px] y[px]\n100 9447 2295\n");
+  asked.out = folder_ / "out";
+  const auto done = interior_orientation(file("marks.txt", kMarks), asked, {});
+  ASSERT_TRUE(done) << done.error().message;
+  ASSERT_EQ(done->images.size(), 1u);
+  const FilmFit& fit = done->images[0].orientation.fit;
+  EXPECT_LT(fit.sigma0, 1.2);
+  EXPECT_FALSE(fit.transformation.is_mirrored);
+  EXPECT_NEAR(done->images[0].deformation->pixel_x_um.value, 11.9, 0.05);
+  ASSERT_EQ(done->points.size(), 1u);
+  EXPECT_NEAR(done->points[0].film_mm.x(), -9.6, 0.1);  // left of the middle and far above it
+  EXPECT_NEAR(done->points[0].film_mm.y(), 96.2, 0.2);
+  EXPECT_LT((done->points[0].corrected_mm - done->points[0].film_mm - Eigen::Vector2d(0.006, -0.006)).norm(), 0.01);
+  const std::string text = interior_text(*done);
+  for (const char* words : {"image 27", "sigma0", "deformation", "against"})
+    EXPECT_NE(text.find(words), std::string::npos) << text;
+  for (const char* name : {"interior.txt", "residuals.txt", "points.txt"})
+    EXPECT_TRUE(read_text_table(folder_ / "out" / name)) << name;
+}
+
+TEST_F(Interior, RowsFromBelowAreAMirror) {
+  std::string marks = "mark x[px] y[px]\n";
+  std::istringstream rows(kMarks);
+  std::string line, image, name;
+  std::getline(rows, line);
+  for (double x, y; rows >> image >> name >> x >> y;)
+    marks += name + " " + std::to_string(x) + " " + std::to_string(20480 - y) + "\n";
+  const auto done = interior_orientation(file("marks.txt", marks), options(), {});
+  ASSERT_TRUE(done);
+  EXPECT_TRUE(done->images[0].orientation.fit.transformation.is_mirrored);
+  EXPECT_NE(interior_text(*done).find("mirror"), std::string::npos);
+}
+
+TEST_F(Interior, AComparatorMeasuresInMillimetresWithYUp) {
+  const auto done = interior_orientation(
+      file("marks.txt", "mark x[mm] y[mm]\n1 -95.997 -85.995\n2 116.004 126.008\n3 -96 126.009\n4 116.012 -85.995\n"),
+      options(), {});
+  ASSERT_TRUE(done) << done.error().message;
+  const FilmTransformation& t = done->images[0].orientation.fit.transformation;
+  EXPECT_EQ(t.model, FilmModel::kRigid);
+  EXPECT_LT((t.pixel_of({0, 0}) - Eigen::Vector2d(10, -20)).norm(), 1e-3);
+}
+
+TEST_F(Interior, PrincipalPointAndPixelMakeAnOrientationWithoutMarks) {
+  auto asked = options();
+  asked.principal_point_px = "5000,4000";
+  asked.dpi = 2540;
+  asked.points = file("points.txt", "point x[px] y[px]\nA 6000 4000\n");
+  const auto done = interior_orientation("", asked, {});
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_NEAR(done->points[0].film_mm.x(), 10 - 0.006, 1e-9);
+  EXPECT_NEAR(done->points[0].corrected_mm.x(), 10, 0.002);
+  EXPECT_NE(interior_text(*done).find("without marks"), std::string::npos);
+}
+
+TEST_F(Interior, WrongInputIsToldWhatToDo) {
+  const auto has = [](const std::string& text, const char* words) { return text.find(words) != std::string::npos; };
+  auto asked = options();
+  EXPECT_TRUE(has(message("", asked), "measured marks"));
+  EXPECT_TRUE(has(message(kMarks, {}), "calibration"));
+  EXPECT_TRUE(has(message("image mark x[px]\n27 1 5\n", asked), "column"));
+  EXPECT_TRUE(has(message("mark x[px] y[px]\n1 5 5\n", asked), "do not determine"));
+  EXPECT_TRUE(has(message("mark x[px] y[px]\n", asked), "no rows"));
+  EXPECT_TRUE(has(message("mark x[deg] y[px]\n1 5 5\n", asked), "deg"));
+  EXPECT_TRUE(has(message("mark x[px] y[px] sigma[px]\n1 5 5 0\n", asked), "zero"));
+  asked.model = FilmModel::kRigid;
+  EXPECT_TRUE(has(message(kMarks, asked), "size of a pixel"));
+  asked = options();
+  asked.points = file("points.txt", "image point x[px] y[px]\n28 A 1 1\n");
+  EXPECT_TRUE(has(message(kMarks, asked), "image \"28\""));
+  asked = options();
+  asked.dpi = asked.pixel_um = 12;
+  EXPECT_TRUE(has(message(kMarks, asked), "twice"));
+  asked = options();
+  asked.principal_point_px = "5,x";
+  asked.dpi = 1200;
+  EXPECT_TRUE(has(message("", asked), "two numbers"));
+  asked.calibration = file("bare.txt", "principal_distance_mm 152\n");
+  asked.principal_point_px.reset();
+  EXPECT_TRUE(has(message(kMarks, asked), "no marks"));
+}
+
+// All four readers of film_pairs: what the second one gives for marks 2, 3, 5, 6, 7 of image 27 are the marks of image
+// 28, by 13 px wrong.
+TEST_F(Interior, TheReaderOfTheOtherImageIsFound) {
+  const fs::path data = fs::path(source_tree()) / "../shared/data/film_pairs/pair_27_28/measurements.csv";
+  if (!fs::exists(data)) GTEST_SKIP() << data.string() << " is not here";
+  const auto table = read_text_table(data);
+  ASSERT_TRUE(table) << table.error().message;
+  std::string marks = "image mark x[px] y[px]\n";
+  for (const auto& row : table->rows)
+    for (std::size_t k = 3; row[1] == "fiducial" && k < 11; k += 2)
+      marks += row[0] + " " + row[2] + " " + row[k] + " " + row[k + 1] + "\n";
+  const auto done = interior_orientation(file("marks.txt", marks), options(), {});
+  ASSERT_TRUE(done) << done.error().message;
+  for (const ReadMark& mark : done->images[0].readings.marks) {
+    const bool is_other =
+        mark.mark == "2" || mark.mark == "3" || mark.mark == "5" || mark.mark == "6" || mark.mark == "7";
+    EXPECT_EQ(mark.gross, is_other ? std::vector<int>{2} : std::vector<int>{}) << mark.mark;
+  }
+  for (const auto& image : done->images) EXPECT_LT(image.orientation.fit.sigma0, 1);
+}
+
+}  // namespace
+}  // namespace collinea
