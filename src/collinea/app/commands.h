@@ -25,6 +25,7 @@ Command profile_command();
 Command plan_command();
 Command simulate_command();
 Command assess_command();
+Command pair_command();
 Command stereo_command();
 Command rectify_command();
 Command relative_command();
@@ -63,6 +64,7 @@ struct CommandGroup {
        }},
       {"Pair: two images",
        {
+           pair_command(),
            stereo_command(),
        }},
       {"Single steps: one method, with its standard deviations",

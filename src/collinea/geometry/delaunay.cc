@@ -252,11 +252,29 @@ std::optional<Delaunay> Delaunay::of(std::span<const Eigen::Vector2d> points) {
   Builder builder(std::move(lattice));
   if (!builder.build()) return std::nullopt;
   made.triangles_ = builder.finite();
+  made.low_ = low;
+  made.squares_ = std::max(int(std::sqrt(double(points.size())) / 2), 1);
+  made.square_ = ((high - low) / made.squares_).cwiseMax(step);
+  int triangle = 0;
+  for (int y = 0; y < made.squares_; ++y)
+    for (int x = 0; x < made.squares_; ++x) {
+      const auto found = made.walk(low + made.square_.cwiseProduct(Eigen::Vector2d(x + 0.5, y + 0.5)), triangle);
+      made.start_.push_back(triangle = found ? found->triangle : triangle);
+    }
   return made;
 }
 
-std::optional<Delaunay::Location> Delaunay::find(const Eigen::Vector2d& position, int hint) const {
-  int triangle = hint >= 0 && hint < int(triangles_.size()) ? hint : 0;
+std::size_t Delaunay::square_of(const Eigen::Vector2d& position) const {
+  const Eigen::Vector2d at = (position - low_).cwiseQuotient(square_);
+  const auto limited = [&](double value) { return std::size_t(std::clamp(value, 0.0, squares_ - 1.0)); };
+  return limited(at.y()) * std::size_t(squares_) + limited(at.x());
+}
+
+std::optional<Delaunay::Location> Delaunay::find(const Eigen::Vector2d& position) const {
+  return walk(position, start_[square_of(position)]);
+}
+
+std::optional<Delaunay::Location> Delaunay::walk(const Eigen::Vector2d& position, int triangle) const {
   // A walk of straight line steps ends after fewer triangles than there are, but for rounding on an edge.
   for (std::size_t steps = 0; steps < triangles_.size() + 3; ++steps) {
     const Triangle& here = triangles_[std::size_t(triangle)];

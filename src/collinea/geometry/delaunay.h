@@ -31,12 +31,18 @@ class Delaunay {
     int triangle = 0;
     std::array<double, 3> weights{};
   };
-  /// Walks from triangle `hint` on, a neighbour of the last answer as a rule. Nothing outside all triangles.
-  [[nodiscard]] std::optional<Location> find(const Eigen::Vector2d& position, int hint = 0) const;
+  /// Walks from a triangle nearby. Nothing outside all triangles.
+  [[nodiscard]] std::optional<Location> find(const Eigen::Vector2d& position) const;
 
  private:
+  [[nodiscard]] std::optional<Location> walk(const Eigen::Vector2d& position, int triangle) const;
+  [[nodiscard]] std::size_t square_of(const Eigen::Vector2d& position) const;
+
   std::vector<Eigen::Vector2d> points_;
   std::vector<Triangle> triangles_;
+  Eigen::Vector2d low_ = Eigen::Vector2d::Zero(), square_ = low_;  // of the grid of starts
+  int squares_ = 1;                                                // across and down
+  std::vector<int> start_;                                         // a triangle in or near each square
 };
 
 }  // namespace collinea

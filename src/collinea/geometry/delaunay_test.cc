@@ -85,17 +85,17 @@ TEST(Delaunay, FindsTheTriangleOfAPosition) {
   for (int i = 0; i < 3000; ++i) points.emplace_back(random.uniform(500'000, 500'900), random.uniform(5e6, 5.0007e6));
   const auto made = Delaunay::of(points);
   ASSERT_TRUE(made);
-  int hint = 0, inside = 0;
+  int inside = 0;
   for (int i = 0; i < 2000; ++i) {
     const Eigen::Vector2d position(random.uniform(500'000, 500'900), random.uniform(5e6, 5.0007e6));
-    const auto location = made->find(position, hint);
+    const auto location = made->find(position);
     if (!location) continue;
     ++inside;
-    hint = location->triangle;
     Eigen::Vector2d there = Eigen::Vector2d::Zero();
     for (std::size_t k = 0; k < 3; ++k) {
       EXPECT_GE(location->weights[k], 0);
-      there += location->weights[k] * points[std::size_t(made->triangles()[std::size_t(hint)].corners[k])];
+      there +=
+          location->weights[k] * points[std::size_t(made->triangles()[std::size_t(location->triangle)].corners[k])];
     }
     EXPECT_LT((there - position).norm(), 1e-3);
   }

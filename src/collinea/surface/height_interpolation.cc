@@ -22,24 +22,10 @@ std::vector<Eigen::Vector2d> in_plan(std::span<const HeightPoint> points) {
 class Triangulated : public HeightInterpolation {
  public:
   Triangulated(Delaunay triangles, std::span<const HeightPoint> points, double longest_m)
-      : triangles_(std::move(triangles)), points_(points.begin(), points.end()), longest_m_(longest_m) {
-    Eigen::Vector2d high = low_ = points_[0].position.head<2>();
-    for (const HeightPoint& point : points_) {
-      low_ = low_.cwiseMin(point.position.head<2>());
-      high = high.cwiseMax(point.position.head<2>());
-    }
-    starts_ = std::max(int(std::sqrt(double(points_.size())) / 2), 1);
-    square_m_ = ((high - low_) / starts_).cwiseMax(1e-12);
-    int hint = 0;
-    for (int y = 0; y < starts_; ++y)
-      for (int x = 0; x < starts_; ++x) {
-        const auto found = triangles_.find(low_ + square_m_.cwiseProduct(Eigen::Vector2d(x + 0.5, y + 0.5)), hint);
-        start_.push_back(hint = found ? found->triangle : hint);
-      }
-  }
+      : triangles_(std::move(triangles)), points_(points.begin(), points.end()), longest_m_(longest_m) {}
 
   [[nodiscard]] InterpolatedHeight at(const Eigen::Vector2d& on_map) const override {
-    const auto found = triangles_.find(on_map, start_at(on_map));
+    const auto found = triangles_.find(on_map);
     if (!found) return {};
     const auto& corners = triangles_.triangles()[std::size_t(found->triangle)].corners;
     if (longest_side_m(corners) > longest_m_) return {};
@@ -66,19 +52,9 @@ class Triangulated : public HeightInterpolation {
     return longest_m;
   }
 
-  // Where a walk begins, by the position alone: so that its end is, too.
-  [[nodiscard]] int start_at(const Eigen::Vector2d& on_map) const {
-    const Eigen::Vector2d at = (on_map - low_).cwiseQuotient(square_m_);
-    const auto limited = [&](double value) { return std::size_t(std::clamp(value, 0.0, starts_ - 1.0)); };
-    return start_[limited(at.y()) * std::size_t(starts_) + limited(at.x())];
-  }
-
   Delaunay triangles_;
   std::vector<HeightPoint> points_;
   double longest_m_;
-  Eigen::Vector2d low_, square_m_;
-  int starts_ = 1;          // squares across and down
-  std::vector<int> start_;  // a triangle in or near each square
 };
 
 class LocalPlanes : public HeightInterpolation {

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/dense/level_matching.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "collinea/base/parallel.h"
+#include "collinea/dense/internal/disparity_model.h"
+#include "collinea/dense/internal/row_correlation.h"
+#include "collinea/feature/interest.h"
+#include "collinea/math/median.h"
+
+namespace collinea {
+namespace {
+
+constexpr double kMargin_px = 2;         // round the interval of columns
+constexpr double kRowSigmas = 3;         // of the epipolar line's row
+constexpr std::size_t kNeighbours = 16;  // that a spike is judged by
+constexpr double kSpike = 3;             // robust standard deviations
+constexpr double kLeastScatter_px = 0.5;
+constexpr int kMostPoints = 2'000'000;
+constexpr std::size_t kBlock = 64;  // points of a piece of work
+
+// Everything a level needs to match points.
+class LevelMatcher {
+ public:
+  LevelMatcher(const GreyImage& left, const GreyImage& right,
+               const std::function<double(const Eigen::Vector2d&)>& row_sigma_px, const LevelOptions& options)
+      : left_(left), right_(right), row_sigma_px_(row_sigma_px), options_(options) {}
+
+  // Matches of pixels near the model, in their order; intervals receives how far each was searched.
+  Result<std::vector<LevelPoint>> match(const std::vector<Eigen::Vector2i>& pixels, const DisparityModel& model,
+                                        int half, std::vector<double>& intervals, const Run& run) const;
+
+ private:
+  [[nodiscard]] std::optional<LevelPoint> match_one(const Eigen::Vector2i& pixel, const DisparityModel& model, int half,
+                                                    double& interval) const;
+
+  const GreyImage &left_, &right_;
+  const std::function<double(const Eigen::Vector2d&)>& row_sigma_px_;
+  const LevelOptions& options_;
+};
+
+std::optional<LevelPoint> LevelMatcher::match_one(const Eigen::Vector2i& pixel, const DisparityModel& model, int half,
+                                                  double& interval) const {
+  const Eigen::Vector2d at = pixel.cast<double>() + Eigen::Vector2d(0.5, 0.5);
+  const DisparityInterval searched = model.around(at, options_.square_px);
+  interval = searched.high_px - searched.low_px + 2 * kMargin_px;
+  const int rows = std::max(1, int(std::ceil(kRowSigmas * row_sigma_px_(at))));
+  const int first = int(std::floor(pixel.x() - searched.high_px - kMargin_px)),
+            last = int(std::ceil(pixel.x() - searched.low_px + kMargin_px));
+  const auto found = best_correlation(left_, pixel, half, right_, {first, last, pixel.y() - rows, pixel.y() + rows});
+  if (!found || found->ncc < options_.min_ncc) return std::nullopt;
+  const int reach = int(std::ceil(interval / 2)) + 2;
+  const Eigen::Vector2i there = found->pixel;
+  const auto back = best_correlation(right_, there, half, left_,
+                                     {pixel.x() - reach, pixel.x() + reach, pixel.y() - rows, pixel.y() + rows});
+  if (!back || (back->pixel - pixel).cast<double>().norm() > options_.return_px) return std::nullopt;
+  return LevelPoint{at, pixel.x() - found->position_px.x() + 0.5, found->position_px.y() - 0.5 - pixel.y(), found->ncc,
+                    found->sigma_px};
+}
+
+Result<std::vector<LevelPoint>> LevelMatcher::match(const std::vector<Eigen::Vector2i>& pixels,
+                                                    const DisparityModel& model, int half,
+                                                    std::vector<double>& intervals, const Run& run) const {
+  std::vector<std::optional<LevelPoint>> found(pixels.size());
+  intervals.assign(pixels.size(), 0);
+  parallel_for(run, (pixels.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+    for (std::size_t i = block * kBlock; i < std::min((block + 1) * kBlock, pixels.size()); ++i)
+      found[i] = match_one(pixels[i], model, half, intervals[i]);
+  });
+  if (run.stopped()) return fail(Errc::kCancelled, "stopped");
+  std::vector<LevelPoint> points;
+  for (const auto& each : found)
+    if (each) points.push_back(*each);
+  return points;
+}
+
+std::vector<Eigen::Vector2i> interest_pixels(const GreyImage& image, const FloatImage& map, double threshold) {
+  InterestOptions options;
+  options.method = InterestOperator::kKovesi;
+  options.threshold = threshold;
+  options.radius_px = 2;
+  options.sub_pixel = SubPixel::kNone;
+  options.max_points = kMostPoints;
+  options.evenness = 0;
+  std::vector<Eigen::Vector2i> pixels;
+  for (const InterestPoint& point : find_interest_points(image, map, options).points)
+    pixels.emplace_back(int(point.position_px.x()), int(point.position_px.y()));
+  std::sort(pixels.begin(), pixels.end(),
+            [](const auto& a, const auto& b) { return std::pair(a.y(), a.x()) < std::pair(b.y(), b.x()); });
+  return pixels;
+}
+
+std::vector<Eigen::Vector2i> grid_pixels(const GreyImage& image, int step, double min_entropy, const Run& run) {
+  std::vector<std::vector<Eigen::Vector2i>> rows(std::size_t(std::max(image.height / step, 0)));
+  parallel_for(run, rows.size(), [&](std::size_t i) {
+    const int row = int(i) * step + step / 2;
+    for (int column = step / 2; column < image.width; column += step)
+      if (image.at(column, row) != 0 && entropy_at(image, column, row) > min_entropy) rows[i].emplace_back(column, row);
+  });
+  std::vector<Eigen::Vector2i> pixels;
+  for (const auto& row : rows) pixels.insert(pixels.end(), row.begin(), row.end());
+  return pixels;
+}
+
+// Thresholds of the levels, falling by the same factor each time.
+std::vector<double> thresholds_of(const LevelOptions& options) {
+  std::vector<double> thresholds;
+  for (int i = 0; i < options.levels; ++i) {
+    const double part = options.levels == 1 ? 1 : double(i) / (options.levels - 1);
+    thresholds.push_back(std::pow(options.first_threshold, 1 - part) * std::pow(options.last_threshold, part));
+  }
+  return thresholds;
+}
+
+}  // namespace
+
+double entropy_at(const GreyImage& image, int column, int row, int half) {
+  std::array<std::uint16_t, 256> counts{};
+  int pixels = 0;
+  for (int y = std::max(row - half, 0); y <= std::min(row + half, image.height - 1); ++y)
+    for (int x = std::max(column - half, 0); x <= std::min(column + half, image.width - 1); ++x, ++pixels)
+      ++counts[image.at(x, y)];
+  double entropy = 0;
+  for (const std::uint16_t count : counts)
+    if (count > 0) entropy -= double(count) / pixels * std::log2(double(count) / pixels);
+  return entropy;
+}
+
+std::vector<LevelPoint> without_spikes(std::vector<LevelPoint> points) {
+  while (points.size() > kNeighbours) {
+    const DisparityNeighbours neighbours(points);
+    std::vector<LevelPoint> kept;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      std::vector<double> around = neighbours.disparities(i, kNeighbours);
+      const double middle = median(around);
+      for (double& value : around) value = std::abs(value - middle);
+      const double scatter = std::max(1.4826 * median(around), kLeastScatter_px);
+      if (std::abs(points[i].disparity_px - middle) <= kSpike * scatter) kept.push_back(points[i]);
+    }
+    if (kept.size() == points.size()) break;
+    points = std::move(kept);
+  }
+  return points;
+}
+
+Result<LevelSurface> match_by_levels(const GreyImage& left, const GreyImage& right, std::span<const LevelPoint> guide,
+                                     const std::function<double(const Eigen::Vector2d&)>& row_sigma_px,
+                                     const LevelOptions& options, const Run& run) {
+  COLLINEA_TRY(validate(options));
+  if (left.height != right.height) return fail(Errc::kBadInput, "an epipolar pair has as many rows left as right");
+  if (options.last_threshold > options.first_threshold)
+    return fail(Errc::kBadInput, "thresholds fall from level to level: the last is above the first",
+                {"first_threshold"_option, "last_threshold"_option});
+  LevelSurface surface{{guide.begin(), guide.end()}, {}};
+  const LevelMatcher matcher(left, right, row_sigma_px, options);
+  InterestOptions corners;
+  corners.method = InterestOperator::kKovesi;
+  const FloatImage map = interest_map(left, corners);
+  const auto level = [&](const std::vector<Eigen::Vector2i>& pixels, double threshold, int template_px) -> Result<> {
+    COLLINEA_TRY(const DisparityModel model, DisparityModel::of(surface.points));
+    LevelCount count{.threshold = threshold, .interest = pixels.size()};
+    std::vector<double> intervals;
+    COLLINEA_TRY(std::vector<LevelPoint> points, matcher.match(pixels, model, template_px / 2, intervals, run));
+    count.matched = points.size();
+    points = without_spikes(std::move(points));
+    count.spikes = count.matched - points.size();
+    if (!intervals.empty()) count.median_interval_px = median(intervals);
+    surface.levels.push_back(count);
+    // Too few to take the place of the model they were found with.
+    if (points.size() >= guide.size() / 2) surface.points = std::move(points);
+    return {};
+  };
+  const std::vector<double> thresholds = thresholds_of(options);
+  for (std::size_t i = 0; i < thresholds.size(); ++i) {
+    COLLINEA_TRY(level(interest_pixels(left, map, thresholds[i]), thresholds[i], options.template_px));
+    run.report("levels", double(i + 1) / double(thresholds.size() + (options.grid_px > 0)));
+  }
+  if (options.grid_px > 0) {
+    COLLINEA_TRY(level(grid_pixels(left, options.grid_px, options.min_entropy, run), 0, options.grid_template_px));
+  }
+  return surface;
+}
+
+}  // namespace collinea

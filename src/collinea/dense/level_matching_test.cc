@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/dense/level_matching.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "collinea/math/random.h"
+
+namespace collinea {
+namespace {
+
+// Smooth noise between the whole positions of a lattice, at several scales: the texture of ground.
+double noise_at(double x, double y, std::uint64_t seed) {
+  const auto value = [&](int i, int j) {
+    return Random(seed, std::uint64_t(std::uint32_t(i)) << 32 | std::uint32_t(j)).uniform();
+  };
+  const int i = int(std::floor(x)), j = int(std::floor(y));
+  const double u = x - i, v = y - j, a = u * u * (3 - 2 * u), b = v * v * (3 - 2 * v);
+  return (1 - b) * ((1 - a) * value(i, j) + a * value(i + 1, j)) +
+         b * ((1 - a) * value(i, j + 1) + a * value(i + 1, j + 1));
+}
+
+double texture(double x, double y) {
+  return 40 + 90 * noise_at(x / 3.1, y / 3.1, 1) + 70 * noise_at(x / 9.7, y / 9.7, 2);
+}
+
+double disparity(double x, double y) { return 40 + 0.03 * x + 5 * std::sin(x / 45) * std::cos(y / 38); }
+
+// What the left column is that the right image shows at a column.
+double left_column(double right, double y) {
+  double x = right + 40;
+  for (int i = 0; i < 60; ++i) x = right + disparity(x, y);
+  return x;
+}
+
+struct Pair {
+  GreyImage left{480, 300, 1}, right{480, 300, 1};
+  std::vector<LevelPoint> guide;
+
+  explicit Pair(double noise_grey) {
+    Random random(9);
+    const auto grey = [&](double value) {
+      return std::uint8_t(std::clamp(std::lround(value + noise_grey * random.normal()), 1L, 255L));
+    };
+    for (int y = 0; y < 300; ++y)
+      for (int x = 0; x < 480; ++x) {
+        left.at(x, y) = grey(texture(x + 0.5, y + 0.5));
+        right.at(x, y) = grey(texture(left_column(x + 0.5, y + 0.5), y + 0.5));
+      }
+    for (int y = 30; y < 300; y += 80)
+      for (int x = 60; x < 480; x += 90) guide.push_back({{x + 0.5, y + 0.5}, disparity(x + 0.5, y + 0.5), 0, 1, 0.1});
+  }
+};
+
+const auto kExact = [](const Eigen::Vector2d&) { return 0.1; };
+
+TEST(LevelMatching, FindsTheSurfaceOfAPair) {
+  const Pair pair(2);
+  LevelOptions options;
+  options.levels = 4;
+  options.last_threshold = 200;
+  options.grid_px = 6;
+  const auto surface = match_by_levels(pair.left, pair.right, pair.guide, kExact, options, {});
+  ASSERT_TRUE(surface) << surface.error().message;
+  ASSERT_EQ(surface->levels.size(), 5u);
+  EXPECT_GT(surface->points.size(), 2000u);
+  double squares = 0;
+  std::size_t gross = 0;
+  for (const LevelPoint& point : surface->points) {
+    const double error = point.disparity_px - disparity(point.left_px.x(), point.left_px.y());
+    gross += std::abs(error) > 1;
+    if (std::abs(error) <= 1) squares += error * error;
+  }
+  EXPECT_LT(double(gross) / double(surface->points.size()), 0.01);
+  EXPECT_LT(std::sqrt(squares / double(surface->points.size())), 0.15);
+}
+
+TEST(LevelMatching, SameBitsForAnyNumberOfThreads) {
+  const Pair pair(4);
+  LevelOptions options;
+  options.levels = 2;
+  options.last_threshold = 2000;
+  collinea::Run two;
+  two.threads = 2;
+  const auto one = match_by_levels(pair.left, pair.right, pair.guide, kExact, options, {});
+  const auto both = match_by_levels(pair.left, pair.right, pair.guide, kExact, options, two);
+  ASSERT_TRUE(one && both);
+  ASSERT_EQ(one->points.size(), both->points.size());
+  for (std::size_t i = 0; i < one->points.size(); ++i)
+    EXPECT_EQ(one->points[i].disparity_px, both->points[i].disparity_px);
+}
+
+TEST(LevelMatching, SpikesGoAndSlopesStay) {
+  std::vector<LevelPoint> points;
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 30; ++x) points.push_back({{10.0 * x, 10.0 * y}, 0.5 * x, 0, 1, 0.1});
+  std::size_t wrong = 0;
+  for (std::size_t i = 7; i < points.size(); i += 13, ++wrong) points[i].disparity_px += i % 2 ? 30 : -25;
+  const auto kept = without_spikes(points);
+  EXPECT_EQ(kept.size(), points.size() - wrong);
+  for (const LevelPoint& point : kept) EXPECT_EQ(point.disparity_px, 0.05 * point.left_px.x());
+  EXPECT_EQ(without_spikes({points.begin(), points.begin() + 5}).size(), 5u);  // too few to say
+}
+
+// Karfis 7.5 (errata 21): 81 pixels cannot have more than log2 81 = 6.34 bits.
+TEST(LevelMatching, EntropyOfAWindow) {
+  GreyImage image(9, 9, 1);
+  for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = std::uint8_t(i);
+  EXPECT_NEAR(entropy_at(image, 4, 4), std::log2(81.0), 1e-12);
+  for (auto& grey : image.data) grey = 7;
+  EXPECT_EQ(entropy_at(image, 4, 4), 0);
+  for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = i < 27 ? 1 : i < 54 ? 2 : 3;
+  EXPECT_NEAR(entropy_at(image, 4, 4), std::log2(3.0), 1e-12);
+}
+
+TEST(LevelMatching, RefusesWhatCannotGuide) {
+  const Pair pair(0);
+  EXPECT_FALSE(match_by_levels(pair.left, pair.right, {}, kExact, {}, {}));
+  EXPECT_FALSE(match_by_levels(pair.left, GreyImage(480, 299, 1), pair.guide, kExact, {}, {}));
+  LevelOptions rising;
+  rising.first_threshold = 10;
+  EXPECT_FALSE(match_by_levels(pair.left, pair.right, pair.guide, kExact, rising, {}));
+}
+
+}  // namespace
+}  // namespace collinea

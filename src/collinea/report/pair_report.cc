@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/report/pair_report.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "collinea/epipolar/relative_elements.h"
+
+namespace collinea {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+std::string search_text(const PairReport& report) {
+  std::string text = "interest points, matched there and back by correlation\n";
+  text += fmt::format("  {:>7} {:>8} {:>8} {:>9} {:>12} {:>12}\n", "shrink", "interest", "matched", "agreeing",
+                      "px_mean[px]", "py_mean[px]");
+  for (const PairPointStage& stage : report.search)
+    text += fmt::format("  {:>7} {:>8} {:>8} {:>9} {:>12.1f} {:>12.1f}\n", stage.shrink, stage.interest, stage.matched,
+                        stage.agreeing, stage.parallax_px.x(), stage.parallax_px.y());
+  return text;
+}
+
+std::string orientation_text(const PairOrientation& of) {
+  std::string text = fmt::format("relative orientation by {}: {} points, {} rejected, sigma0 {:.3f} px\n", of.by,
+                                 of.points, of.rejected, of.sigma0_px);
+  const auto elements = dependent_elements(of.orientation.second_from_first);
+  if (!elements) return text + "  the base lies across x: no elements of the dependent form\n";
+  const Matrix5 by = dependent_by_change(of.orientation.second_from_first);
+  const Matrix5 covariance = by * of.orientation.stated_covariance() * by.transpose();
+  const Vector5 values = elements->values();
+  const char* const names[] = {"by", "bz", "omega", "phi", "kappa"};
+  for (int i = 0; i < 5; ++i) {
+    const double unit = i < 2 ? 1 : kDegree;
+    text += fmt::format("  {:<6} {:>11.5f} +- {:.5f}{}\n", names[i], values[i] / unit,
+                        std::sqrt(covariance(i, i)) / unit, i < 2 ? "" : " deg");
+  }
+  return text;
+}
+
+std::string surface_text(const PairReport& report) {
+  std::string text = fmt::format("surface: {}, {} points", word_of(report.surface), report.surface_points);
+  text += fmt::format("; median sigma {:.3f} px, {:.4f} {} in depth\n", report.median_sigma_px, report.median_sigma_z,
+                      report.has_base ? "m" : "bases");
+  if (report.levels.empty()) return text;
+  text +=
+      fmt::format("  {:>9} {:>9} {:>9} {:>8} {:>13}\n", "threshold", "interest", "matched", "spikes", "searched[px]");
+  for (const LevelCount& level : report.levels)
+    text += fmt::format("  {:>9} {:>9} {:>9} {:>8} {:>13.1f}\n",
+                        level.threshold > 0 ? fmt::format("{:.0f}", level.threshold) : "grid", level.interest,
+                        level.matched, level.spikes, level.median_interval_px);
+  return text;
+}
+
+std::string absolute_text(const PairReport& report) {
+  const AbsoluteOrientation& absolute = *report.absolute;
+  std::string text =
+      fmt::format("absolute orientation: {} points, redundancy {}, sigma0 {:.3f}, scale {:.6f} m a unit\n",
+                  absolute.residuals.size(), absolute.redundancy, absolute.sigma0, absolute.ground_from_model.scale);
+  text += fmt::format("  {:<12} {:>9} {:>9} {:>9} {:>7} {:>7} {:>7}\n", "point", "dX[m]", "dY[m]", "dZ[m]", "wX", "wY",
+                      "wZ");
+  for (std::size_t i = 0; i < absolute.residuals.size(); ++i) {
+    const ControlResidual& residual = absolute.residuals[i];
+    text += fmt::format("  {:<12} {:>9.4f} {:>9.4f} {:>9.4f} {:>7.2f} {:>7.2f} {:>7.2f}\n", report.control_names[i],
+                        residual.misfit.x(), residual.misfit.y(), residual.misfit.z(), residual.w.x(), residual.w.y(),
+                        residual.w.z());
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string pair_text(const PairReport& report) {
+  std::string text = fmt::format("images worked on at 1/{} of their size, {} x {} px\n", report.shrink,
+                                 report.left_width_px, report.left_height_px);
+  text += search_text(report);
+  for (const PairOrientation& orientation : report.orientations) text += orientation_text(orientation);
+  text += fmt::format(
+      "epipolar images: {} x {} and {} x {} px, principal distance {:.1f} px; y-parallax of the points {:.3f} px RMS; "
+      "a "
+      "row is known to {:.2f} px\n",
+      report.epipolar.left.width_px, report.epipolar.left.height_px, report.epipolar.right.width_px,
+      report.epipolar.right.height_px, report.epipolar.left.focal_px(), report.y_parallax_rms_px, report.row_sigma_px);
+  text += surface_text(report);
+  if (report.absolute) text += absolute_text(report);
+  return text;
+}
+
+}  // namespace collinea

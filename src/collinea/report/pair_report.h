@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "collinea/base/words.h"
+#include "collinea/dense/epipolar_pair.h"
+#include "collinea/dense/level_matching.h"
+#include "collinea/epipolar/relative_orientation.h"
+#include "collinea/geometry/absolute_orientation.h"
+#include "collinea/io/text_table.h"
+#include "collinea/match/pair_points.h"
+
+namespace collinea {
+
+/// How the surface of a pair is found.
+enum class PairSurface { kLevels, kDense };
+inline constexpr Word<PairSurface> kPairSurfaceWords[] = {
+    {PairSurface::kLevels, "levels", "interest points of falling threshold, each level guided by the last (Karfis)"},
+    {PairSurface::kDense, "dense", "every pixel, by semi-global matching"}};
+[[nodiscard]] constexpr std::span<const Word<PairSurface>> words(PairSurface) { return kPairSurfaceWords; }
+
+/// A relative orientation on the way.
+struct PairOrientation {
+  std::string by;  ///< "ncc", "lsm": what measured its points
+  std::size_t points = 0, rejected = 0;
+  RelativeOrientation orientation;
+  double sigma0_px = 0;
+};
+
+/// What was done with a pair, stage by stage.
+struct PairReport {
+  int left_width_px = 0, left_height_px = 0;  ///< of the images as they were worked on
+  int shrink = 1;                             ///< against the files
+  std::vector<PairPointStage> search;
+  std::vector<PairOrientation> orientations;
+  EpipolarPair epipolar;
+  double y_parallax_rms_px = 0;  ///< of the homologous points in the epipolar images
+  double row_sigma_px = 0;       ///< of the epipolar lines by the orientation, the largest at a point
+  PairSurface surface = PairSurface::kLevels;
+  std::vector<LevelCount> levels;
+  std::size_t surface_points = 0;
+  double median_sigma_px = 0;  ///< of their disparities
+  double median_sigma_z = 0;   ///< of their depths, in metres or bases
+  bool has_base = false;       ///< the base is in metres
+  std::optional<AbsoluteOrientation> absolute;
+  std::vector<std::string> control_names;
+};
+
+/// For a terminal and as a file.
+[[nodiscard]] std::string pair_text(const PairReport& report);
+
+}  // namespace collinea
