@@ -166,7 +166,8 @@ void set_statistics(std::span<const PairPoint> points, Adjustment& work, Relativ
         -variances_of(points[i]).cwiseProduct(equation.by_coordinates) * (equation.misclosure / equation.variance);
     residual.first = v.head<2>();
     residual.second = v.tail<2>();
-    residual.y_parallax = std::copysign(v.head<2>().norm() + v.tail<2>().norm(), equation.misclosure);
+    residual.y_parallax = std::copysign(v.head<2>().norm() + v.tail<2>().norm(),
+                                        at.base.x() < 0 ? -equation.misclosure : equation.misclosure);
     residual.redundancy = equation.used ? std::clamp(variance / equation.variance, 0.0, 1.0) : 1;
     residual.largest = longest(points[i], v);
     const double least = 1e-9 * equation.variance;

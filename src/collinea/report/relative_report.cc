@@ -15,6 +15,7 @@
 namespace collinea {
 namespace {
 
+constexpr double kFront = 0.9, kManyRejected = 0.2;  // shares of the points
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 // One element of the orientation, in the unit for people.
@@ -122,6 +123,12 @@ std::string elements_text(const RelativeReport& report) {
   text += "symmetric pair (independent), omega1 = 0:\n" + list_text(symmetric_list(s), s.covariance);
   text += fmt::format("of the four solutions this one has {} of {} points in front of both images\n",
                       report.orientation.in_front, report.orientation.used);
+  const RelativeOrientation& o = report.orientation;
+  if (o.in_front < kFront * o.used)
+    text += "wrong: rays of many points meet behind an image. The points are not those of two views of one object\n";
+  if (static_cast<double>(o.rejected.size()) > kManyRejected * static_cast<double>(report.points.size()))
+    text += fmt::format("weak: {} of {} points are rejected; look at the measurements\n", o.rejected.size(),
+                        report.points.size());
   return text;
 }
 
