@@ -314,9 +314,13 @@ std::array<RelativeSolution, 4> relative_solutions(const Rigid3& second_from_fir
   std::array<RelativeSolution, 4> out;
   for (std::size_t k = 0; k < 4; ++k) {
     out[k].second_from_first = four[k];
+    const Eigen::Matrix3d first_from_second = four[k].rotation.toRotationMatrix().transpose();
+    const Eigen::Vector3d base = base_in_first(four[k]);
     for (const PairPoint& point : points) {
-      const RayMeeting at = meeting(four[k], point.first, point.second);
-      out[k].in_front += at.depth_first > 0 && at.depth_second > 0;
+      // Signs of the distances along both rays where they come nearest to each other.
+      const Eigen::Vector3d first = point.first.homogeneous(), second = first_from_second * point.second.homogeneous();
+      const Eigen::Vector3d normal = first.cross(second);
+      out[k].in_front += base.cross(second).dot(normal) > 0 && base.cross(first).dot(normal) > 0;
     }
   }
   std::stable_sort(out.begin(), out.end(),

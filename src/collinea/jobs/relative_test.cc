@@ -93,6 +93,26 @@ TEST_F(RelativePair, TextAndTablesSayWhatWasFound) {
   EXPECT_NEAR((*x)[1], 600 / std::sqrt(1 + truth_.by * truth_.by + truth_.bz * truth_.bz), 1);
 }
 
+TEST_F(RelativePair, DistancesGiveTheBase) {
+  const fs::path pair = simulated("point x_left[mm] y_left[mm] x_right[mm] y_right[mm]", false);
+  options_.base_m = 600;
+  const auto given = orient_pair(pair, options_);
+  ASSERT_TRUE(given);
+  const auto distance = [&](std::size_t i, std::size_t k) {
+    return std::to_string((given->model.points[i]->position - given->model.points[k]->position).norm());
+  };
+  options_.base_m.reset();
+  options_.distances = folder_ / "distances.txt";
+  std::ofstream(*options_.distances) << "from to distance[m] sigma[m]\nP0 P1 " << distance(0, 1) << " 0.05\nP2 P3 "
+                                     << distance(2, 3) << " 0.05\n";
+  const auto scaled = orient_pair(pair, options_);
+  ASSERT_TRUE(scaled) << scaled.error().message;
+  EXPECT_NEAR(scaled->base, 600, 1e-3);
+  EXPECT_NE(relative_text(*scaled).find("base by 2 distances"), std::string::npos);
+  std::ofstream(*options_.distances) << "from to distance[m] sigma[m]\nP0 Q1 100 0.05\n";
+  EXPECT_FALSE(orient_pair(pair, options_));
+}
+
 TEST_F(RelativePair, RefusesTablesThatAreNone) {
   EXPECT_FALSE(orient_pair(folder_ / "missing.txt", options_));
   EXPECT_FALSE(orient_pair(write("point x_left[mm] y_left[mm]\n1 2 3\n"), options_));

@@ -236,12 +236,27 @@ std::string shape_text(const RelativeReport& report) {
   return text;
 }
 
+std::string distances_text(const RelativeReport& report) {
+  if (!report.scaled) return "";
+  const ScaledPair& pair = *report.scaled;
+  std::string text = fmt::format("base by {} distances: {:.4f} m, sigma {:.4f} m", pair.residuals.size(), pair.base,
+                                 std::sqrt(pair.covariance(5, 5)));
+  text += pair.redundancy > 0 ? fmt::format("; sigma0 of the distances {:.2f}\n", pair.sigma0)
+                              : std::string("; nothing checks it\n");
+  for (std::size_t k = 0; k < report.distances.size(); ++k) {
+    const RelativeReport::Distance& d = report.distances[k];
+    text += fmt::format("  {:<10} {:<10}{:>12.4f} m   residual {:>9.4f} m   test {:>6.2f}\n", d.from, d.to, d.length_m,
+                        pair.residuals[k], pair.standardised[k]);
+  }
+  return text;
+}
+
 std::string value(double v) { return fmt::format("{:.9g}", v); }
 
 }  // namespace
 
 std::string relative_text(const RelativeReport& report) {
-  return head(report) + elements_text(report) + residuals_text(report) + shape_text(report);
+  return head(report) + elements_text(report) + residuals_text(report) + distances_text(report) + shape_text(report);
 }
 
 TextTable relative_parameter_table(const RelativeReport& report) {
