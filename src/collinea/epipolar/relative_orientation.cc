@@ -181,8 +181,14 @@ void set_statistics(std::span<const PairPoint> points, Adjustment& work, Relativ
   out.sigma0 = out.redundancy > 0 ? std::sqrt(squares / out.redundancy) : 0;
 }
 
+// Of many points tau follows from Student's t, whose limit takes microseconds; tau_limit() sums a term for each degree
+// of freedom, milliseconds for a thousand of them.
 double critical_value(const RelativeOptions& options, double redundancy) {
-  return options.sigma_known ? normal_limit(options.alpha) : tau_limit(options.alpha, std::lround(redundancy));
+  constexpr double kMany = 50;
+  if (options.sigma_known) return normal_limit(options.alpha);
+  if (redundancy < kMany) return tau_limit(options.alpha, std::lround(redundancy));
+  const double t = student_limit(options.alpha, redundancy - 1);
+  return std::sqrt(redundancy) * t / std::sqrt(redundancy - 1 + t * t);
 }
 
 // How far beyond its limit a point is: above 1 it is to be rejected.
