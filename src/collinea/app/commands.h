@@ -27,7 +27,10 @@ Command simulate_command();
 Command assess_command();
 Command stereo_command();
 Command rectify_command();
+Command resection_command();
+Command intersection_command();
 Command absolute_command();
+Command rotation_command();
 Command verify_command();
 
 /// Commands under one heading of the help.
@@ -62,7 +65,10 @@ struct CommandGroup {
        }},
       {"Single steps: one method, with its standard deviations",
        {
+           resection_command(),
+           intersection_command(),
            absolute_command(),
+           rotation_command(),
            rectify_command(),
            volume_command(),
            profile_command(),

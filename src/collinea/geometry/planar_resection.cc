@@ -33,6 +33,8 @@ std::optional<Vector2d> of_three(const PlanarDirection& a, const PlanarDirection
   const Vector2d c31(q.x() + p.x() + t31 * (q.y() - p.y()), q.y() + p.y() - t31 * (q.x() - p.x()));
   const double k31 = p.dot(q) + t31 * (p.x() * q.y() - q.x() * p.y());
   const double d = (c12.x() - c23.x()) * (c23.y() - c31.y()) - (c12.y() - c23.y()) * (c23.x() - c31.x());
+  // The three circles coincide: the station is on the danger circle.
+  if (!(std::abs(d) > 1e-9 * (c12 - c23).norm() * (c23 - c31).norm())) return std::nullopt;
   const Vector2d station = b.to + k31 / d * Vector2d(c12.y() - c23.y(), c23.x() - c12.x());
   if (!station.allFinite()) return std::nullopt;
   return station;
