@@ -260,8 +260,7 @@ Result<ResectionReport> by_collinearity(Tables& tables, const ResectOneOptions& 
   ResectionReport report;
   report.unit = tables.unit;
   report.variance = {found.sigma0, found.redundancy, tables.sigmas_are_stated, options.alpha};
-  report.method = fmt::format("space resection by collinearity, {} image{}, {} iterations", tables.images.size(),
-                              tables.images.size() == 1 ? "" : "s at once", found.iterations);
+  report.iterations = found.iterations;
   const double factor = report.variance.factor();
   for (std::size_t a = 0; a < tables.images.size(); ++a) {
     const std::vector<Vector3d> points = known_points(tables, tables.images[a]);
@@ -408,8 +407,8 @@ Result<ResectionReport> by_transformation(const Tables& tables, const ResectOneO
   ResectionReport report;
   report.unit = tables.unit;
   report.variance = {fit->sigma0, fit->redundancy, tables.sigmas_are_stated, options.alpha};
-  report.method =
-      fmt::format("direct linear transformation, {} parameters, {} iterations", is_plane ? 8 : 11, fit->iterations);
+  report.kind = is_plane ? ResectionReport::Kind::kPlane : ResectionReport::Kind::kDlt;
+  report.iterations = fit->iterations;
   const double factor = report.variance.factor();
   ResectionReport::Image image{tables.images[0], points.size()};
   // Elements are those of the table's axes.
@@ -454,9 +453,8 @@ Result<ResectionReport> of_station(const Tables& tables, const ResectOneOptions&
                             directions.size()));
   ResectionReport report;
   report.unit = "mgon";
-  report.is_station = true;
   report.variance = {found->sigma0, found->redundancy, tables.sigmas_are_stated, options.alpha};
-  report.method = "plane resection of a station from directions";
+  report.kind = ResectionReport::Kind::kStation;
   const double factor = report.variance.factor();
   ResectionReport::Image image{tables.images[0], directions.size()};
   Matrix3d by = Matrix3d::Identity();

@@ -82,18 +82,27 @@ TEST_F(SingleImage, PlaneOfEightParameters) {
   EXPECT_FALSE(resect_from_tables(measurements, ground, options));
 }
 
+// Image 4167 of the wall pair: two poses, five metres apart.
 TEST_F(SingleImage, ThreePointsListAllSolutionsAndOneIsChosenByNearness) {
-  const auto measurements = file("m.txt", "point x[mm] y[mm]\n1 -100 100\n2 100 90\n3 30 -100\n");
-  const auto ground = file("g.txt", "point X Y Z\n1 -900 1200 0\n2 1100 1100 30\n3 400 -800 80\n");
+  const auto measurements = file("m.txt",
+                                 "point x[px] y[px]\nStone-6 643.530 231.456\nStone-7 1267.055 735.920\n"
+                                 "Grille 318.472 768.087\n");
+  const auto ground = file("g.txt",
+                           "point X[m] Y[m] Z[m]\nStone-6 0.150698 1.108183 0.773465\n"
+                           "Stone-7 0.256396 2.353188 2.238878\nGrille 1.402075 2.194546 0.403830\n");
   ResectOneOptions options;
-  options.photo.principal_distance = 150;
-  options.near = "100,200,1500";
-  const auto report = resect_from_tables(measurements, ground, options);
-  ASSERT_TRUE(report) << report.error().message;
-  EXPECT_EQ(report->variance.redundancy, 0);
-  EXPECT_GE(report->images[0].solutions.size(), 2u);
-  EXPECT_NEAR(value_of(report->images[0].exterior, "Z"), 1500, 200);
-  EXPECT_NE(resection_text(*report).find("all of which fit"), std::string::npos);
+  options.photo.principal_distance = 2112.218;
+  options.photo.principal_point = "856.867,577.6137";
+  const Eigen::Vector3d centres[] = {{5.2, 1.5, 2.1}, {0.8, -2.5, 2.0}};
+  for (const Eigen::Vector3d& centre : centres) {
+    options.near = exact(centre.x()) + "," + exact(centre.y()) + "," + exact(centre.z());
+    const auto report = resect_from_tables(measurements, ground, options);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_EQ(report->variance.redundancy, 0);
+    EXPECT_EQ(report->images[0].solutions.size(), 2u);
+    EXPECT_NEAR(value_of(report->images[0].exterior, "X"), centre.x(), 0.1);
+    EXPECT_NE(resection_text(*report).find("all of them fit"), std::string::npos);
+  }
 }
 
 TEST_F(SingleImage, AWrongMeasurementIsNamedAndLeftOut) {

@@ -16,7 +16,7 @@ constexpr double kWeakRatio = 1e-5;  // of eigenvalues: below it a pose of verti
 
 TextTable marks_table(const ResectionReport& report) {
   TextTable table;
-  const bool is_one = report.is_station;  // a direction has one coordinate
+  const bool is_one = report.is_station();  // a direction has one coordinate
   table.columns = {{"image", ""}, {"point", ""}};
   const std::string unit = report.unit == "mgon" ? "mgon" : report.unit;
   table.columns.push_back({is_one ? "d_direction" : "dx", unit});
@@ -99,8 +99,8 @@ std::string geometry_text(const ResectionReport::Image& image, bool is_station) 
 }
 
 std::string image_text(const ResectionReport& report, const ResectionReport::Image& image) {
-  std::string text = fmt::format("{}{}, {}:\n", report.is_station ? "" : "image ", image.name,
-                                 counted_text(image.points, report.is_station ? "direction" : "point"));
+  std::string text = fmt::format("{}{}, {}:\n", report.is_station() ? "" : "image ", image.name,
+                                 counted_text(image.points, report.is_station() ? "direction" : "point"));
   if (image.robust_scale > 0)
     text += fmt::format("robust standard deviation by the least median of squares: {:.3g} {}\n", image.robust_scale,
                         report.unit);
@@ -110,16 +110,32 @@ std::string image_text(const ResectionReport& report, const ResectionReport::Ima
   if (!image.elements.empty()) text += "elements of the transformation:\n" + estimates_text(image.elements);
   if (image.covariance.size()) text += correlations_text(image.exterior, image.covariance, 0.8);
   if (image.solutions.size() > 1) {
-    text += fmt::format(
-        "three points have {} poses, all of which fit; the first was taken (give an approximate centre "
-        "or a fourth point):\n",
-        image.solutions.size());
+    text += fmt::format("three points have {} poses; taken is the first{}:\n", image.solutions.size(),
+                        report.variance.redundancy > 0
+                            ? ", which suits the other measurements best"
+                            : ", all of them fit (give an approximate centre or a fourth point)");
     for (const auto& solution : image.solutions) {
       for (const Estimate& e : solution) text += fmt::format("  {} {}", e.name, decimal_text(e.value, 4));
       text += "\n";
     }
   }
-  return text + geometry_text(image, report.is_station);
+  return text + geometry_text(image, report.is_station());
+}
+
+std::string method_text(const ResectionReport& report) {
+  switch (report.kind) {
+    case ResectionReport::Kind::kCollinearity:
+      return fmt::format("space resection by collinearity, {}{}, {} iterations",
+                         counted_text(report.images.size(), "image"), report.images.size() == 1 ? "" : " at once",
+                         report.iterations);
+    case ResectionReport::Kind::kDlt:
+      return fmt::format("direct linear transformation, 11 parameters, {} iterations", report.iterations);
+    case ResectionReport::Kind::kPlane:
+      return fmt::format("direct linear transformation of a plane, 8 parameters, {} iterations", report.iterations);
+    case ResectionReport::Kind::kStation:
+      break;
+  }
+  return "plane resection of a station from directions";
 }
 
 std::string suspect_text(const ResectionReport& report) {
@@ -140,7 +156,7 @@ std::string suspect_text(const ResectionReport& report) {
 }  // namespace
 
 std::string resection_text(const ResectionReport& report) {
-  std::string text = report.method + "\n" + variance_text(report.variance);
+  std::string text = method_text(report) + "\n" + variance_text(report.variance);
   for (const ResectionReport::Image& image : report.images) text += image_text(report, image);
   text += "residuals, measured minus computed:\n" + indented_rows(marks_table(report));
   if (!report.tie_points.empty()) text += "tie points:\n" + indented_rows(points_table(report));

@@ -13,6 +13,7 @@ namespace collinea {
 
 /// A resection of one image or more, or of a station in the plane, and what its points say of it.
 struct ResectionReport {
+  enum class Kind { kCollinearity, kDlt, kPlane, kStation };
   struct Image {
     std::string name;
     std::size_t points = 0;
@@ -35,13 +36,15 @@ struct ResectionReport {
     std::string name;
     Eigen::Vector3d position, sigma;
   };
-  std::string method;  ///< in words, for a line
-  std::string unit;    ///< of the misfits: px, mm or mgon
-  bool is_station = false;
+  Kind kind = Kind::kCollinearity;
+  int iterations = 0;
+  std::string unit;  ///< of the misfits: px, mm or mgon
   std::vector<Image> images;
   std::vector<Mark> marks;
   std::vector<Point> tie_points;
   VarianceTest variance;
+
+  [[nodiscard]] bool is_station() const { return kind == Kind::kStation; }
 };
 
 [[nodiscard]] std::string resection_text(const ResectionReport& report);
