@@ -30,7 +30,10 @@ Command stereo_command();
 Command rectify_command();
 Command relative_command();
 Command interest_command();
+Command resection_command();
+Command intersection_command();
 Command absolute_command();
+Command rotation_command();
 Command verify_command();
 Command evaluate_command();
 Command grid_command();
@@ -73,6 +76,10 @@ struct CommandGroup {
            interest_command(),
            absolute_command(),
            interior_command(),
+           resection_command(),
+           intersection_command(),
+           absolute_command(),
+           rotation_command(),
            rectify_command(),
            volume_command(),
            profile_command(),

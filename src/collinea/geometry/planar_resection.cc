@@ -33,6 +33,9 @@ std::optional<Vector2d> of_three(const PlanarDirection& a, const PlanarDirection
   const Vector2d c31(q.x() + p.x() + t31 * (q.y() - p.y()), q.y() + p.y() - t31 * (q.x() - p.x()));
   const double k31 = p.dot(q) + t31 * (p.x() * q.y() - q.x() * p.y());
   const double d = (c12.x() - c23.x()) * (c23.y() - c31.y()) - (c12.y() - c23.y()) * (c23.x() - c31.x());
+  // The three circles coincide: the station is on the danger circle.
+  constexpr double kCoincide = 1e-18;  // the station within a millionth of the radius
+  if (!(std::abs(d) > kCoincide * (c12.squaredNorm() + c23.squaredNorm()))) return std::nullopt;
   const Vector2d station = b.to + k31 / d * Vector2d(c12.y() - c23.y(), c23.x() - c12.x());
   if (!station.allFinite()) return std::nullopt;
   return station;

@@ -303,7 +303,7 @@ Result<AbsoluteReport> by_least_squares(Control& control, const OrientAbsoluteOp
   COLLINEA_TRY(const AbsoluteOrientation found, fitted_with_rejection(control, options));
   AbsoluteReport report =
       report_of(control, found, {found.sigma0, found.redundancy, control.sigmas_are_stated, options.alpha}, true);
-  report.method = fmt::format("absolute orientation by least squares, 7 parameters, {} iterations", found.iterations);
+  report.iterations = found.iterations;
   return report;
 }
 
@@ -327,8 +327,7 @@ Result<AbsoluteReport> in_closed_form(const Control& control, const OrientAbsolu
   AbsoluteOrientation orientation;
   orientation.ground_from_model = *found;
   AbsoluteReport report = report_of(control, orientation, {}, false);
-  report.method = fmt::format("absolute orientation, method {}: all points of equal weight, no standard deviations",
-                              word_of(options.method));
+  report.closed_form = word_of(options.method);
   return report;
 }
 
@@ -355,7 +354,6 @@ Result<AbsoluteReport> in_plane(const Control& control, const OrientAbsoluteOpti
     return fail(Errc::kIllPosed,
                 "a plane similarity needs two points apart that are known in plan, with sigmas above 0");
   AbsoluteReport report;
-  report.method = "plane similarity, 4 parameters: X = X0 + scale R(angle) U";
   report.is_plane = report.is_rigorous = true;
   report.variance = {fit->sigma0, fit->redundancy, control.sigmas_are_stated, options.alpha};
   const double factor = report.variance.factor();

@@ -42,6 +42,15 @@ struct Eliminated {
   std::vector<std::pair<std::size_t, Eigen::Matrix<double, 6, 3>>> with_pose;
 };
 
+PoseConditioning conditioning_of(const MatrixXd& covariance, std::size_t image) {
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  const auto at = 6 * static_cast<Eigen::Index>(image);
+  const Matrix6 normal = Matrix6(covariance.block<6, 6>(at, at)).ldlt().solve(Matrix6::Identity());
+  const Vector6 scale = normal.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(scale.asDiagonal() * normal * scale.asDiagonal());
+  return {eigen.eigenvalues()[0] / eigen.eigenvalues()[5], eigen.eigenvectors().col(0)};
+}
+
 class Adjustment {
  public:
   Adjustment(const Camera& camera, std::span<const Rigid3> starts, std::span<const ResectionMark> marks,
@@ -241,7 +250,7 @@ class Adjustment {
     std::vector<std::vector<Eigen::Matrix<double, 6, 3>>> cross(points_.size());  // covariance of poses with a point
     for (std::size_t p = 0; p < points_.size(); ++p) add_point(p, cross[p], out);
     for (std::size_t i = 0; i < marks_.size(); ++i) out.marks.push_back(test_of(i, cross[marks_[i].point], out));
-    for (std::size_t a = 0; a < poses_.size(); ++a) out.conditioning.push_back(conditioning_of(a));
+    for (std::size_t a = 0; a < poses_.size(); ++a) out.conditioning.push_back(conditioning_of(inverse_, a));
     return out;
   }
   void add_point(std::size_t p, std::vector<Eigen::Matrix<double, 6, 3>>& cross, SpaceResection& out) const {
@@ -279,16 +288,6 @@ class Adjustment {
     }
     return test;
   }
-  [[nodiscard]] PoseConditioning conditioning_of(std::size_t image) const {
-    const auto at = 6 * static_cast<Eigen::Index>(image);
-    const Eigen::Matrix<double, 6, 6> covariance = inverse_.block<6, 6>(at, at);
-    const Eigen::Matrix<double, 6, 6> normal = covariance.ldlt().solve(Eigen::Matrix<double, 6, 6>::Identity());
-    const Vector6 scale = normal.diagonal().cwiseSqrt().cwiseInverse();
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(scale.asDiagonal() * normal *
-                                                                           scale.asDiagonal());
-    return {eigen.eigenvalues()[0] / eigen.eigenvalues()[5], eigen.eigenvectors().col(0)};
-  }
-
   const Camera& camera_;
   std::span<const ResectionMark> marks_;
   std::span<const ResectionPoint> given_;

@@ -86,6 +86,14 @@ std::string suspect_text(const AbsoluteReport& report) {
       decimal_text(worst->misfit[at] / std::max(worst->redundancy[at], 1e-3), 3));
 }
 
+std::string method_text(const AbsoluteReport& report) {
+  if (report.is_plane) return "plane similarity, 4 parameters: X = X0 + scale R(angle) U";
+  if (!report.closed_form.empty())
+    return fmt::format("absolute orientation, method {}: all points of equal weight, no standard deviations",
+                       report.closed_form);
+  return fmt::format("absolute orientation by least squares, 7 parameters, {} iterations", report.iterations);
+}
+
 std::string control_text(const AbsoluteReport& report) {
   std::string text =
       fmt::format("control: {} full, {} in plan only, {} in height only", report.full, report.plan, report.height);
@@ -116,7 +124,7 @@ std::string rms_text(const AbsoluteReport& report, const char* what, const Passe
 }  // namespace
 
 std::string absolute_text(const AbsoluteReport& report) {
-  std::string text = report.method + "\n" + control_text(report);
+  std::string text = method_text(report) + "\n" + control_text(report);
   if (report.is_rigorous) text += variance_text(report.variance);
   text += estimates_text(report.parameters);
   if (!report.inverse_parameters.empty()) text += "inverse:\n" + estimates_text(report.inverse_parameters);

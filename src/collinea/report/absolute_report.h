@@ -23,7 +23,8 @@ struct AbsoluteReport {
     std::string name;
     Eigen::Vector3d position, sigma;
   };
-  std::string method;        ///< in words, for a line
+  std::string closed_form;  ///< the word of a closed form; empty: least squares
+  int iterations = 0;
   bool is_plane = false;     ///< X and Y alone
   bool is_rigorous = false;  ///< least squares: with standard deviations and tests
   std::vector<Estimate> parameters;

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/jobs/intersection.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "collinea/epipolar/oriented_intersection.h"
+#include "collinea/jobs/internal/ground_table.h"
+#include "collinea/jobs/internal/pose_estimates.h"
+
+namespace collinea {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+struct Orientation {
+  Rigid3 cam_from_world;
+  Eigen::Matrix<double, 6, 6> covariance;
+};
+
+Result<std::map<std::string, Orientation>> read_orientations(const std::filesystem::path& path, bool& has_sigmas) {
+  const auto in_file = [&](Error e) { return std::move(e).within(path.string()); };
+  COLLINEA_TRY(const TextTable table, read_text_table(path));
+  COLLINEA_TRY(const auto names, table.words("image").map_error(in_file));
+  constexpr std::array<const char*, 6> kNames{"X", "Y", "Z", "omega", "phi", "kappa"};
+  std::vector<Vector6> values(names.size()), sigmas(names.size());
+  for (std::size_t k = 0; k < 6; ++k) {
+    const std::string_view unit = k < 3 ? "m" : "deg";
+    COLLINEA_TRY(const auto column, table.numbers(kNames[k], unit).map_error(in_file));
+    const std::string sigma_name = std::string("sigma_") + kNames[k];
+    has_sigmas |= table.has(sigma_name);
+    COLLINEA_TRY(const auto sigma, table.numbers_or(sigma_name, unit, 0).map_error(in_file));
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      values[i][Eigen::Index(k)] = column[i];
+      sigmas[i][Eigen::Index(k)] = sigma[i];
+    }
+  }
+  std::map<std::string, Orientation> out;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const Vector6& v = values[i];
+    Orientation one;
+    one.cam_from_world.rotation = cam_from_world({v[3], v[4], v[5]});
+    one.cam_from_world.translation = -(one.cam_from_world.rotation * v.head<3>());
+    one.covariance = covariance_of_pose(one.cam_from_world, sigmas[i].cwiseAbs2().asDiagonal());
+    if (!one.covariance.allFinite()) one.covariance.setZero();
+    if (!out.emplace(names[i], one).second)
+      return fail(Errc::kBadFormat, fmt::format("{}: image {} is there twice", path.string(), names[i]));
+  }
+  return out;
+}
+
+struct Rays {
+  std::vector<std::string> names;  // of points, in order of appearance
+  std::map<std::string, std::vector<std::pair<std::string, UncertainSightLine>>> of;
+};
+
+Result<Rays> read_rays(const TextTable& table, const PhotoFrame& frame, double sigma,
+                       const std::map<std::string, Orientation>& orientations) {
+  COLLINEA_TRY(const auto images, table.words("image"));
+  COLLINEA_TRY(const auto points, table.words("point"));
+  COLLINEA_TRY(const auto x, table.numbers("x", frame.unit()));
+  COLLINEA_TRY(const auto y, table.numbers("y", frame.unit()));
+  COLLINEA_TRY(const auto sigmas, table.numbers_or("sigma", frame.unit(), sigma));
+  Rays rays;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!(sigmas[i] > 0)) return fail(Errc::kBadFormat, fmt::format("row {}: sigma is not above 0", i + 1));
+    auto [at, is_new] = rays.of.try_emplace(points[i]);
+    if (is_new) rays.names.push_back(points[i]);
+    const auto orientation = orientations.find(images[i]);
+    if (orientation == orientations.end()) continue;
+    for (const auto& [image, line] : at->second)
+      if (image == images[i])
+        return fail(Errc::kBadFormat, fmt::format("point {} is measured twice in image {}", points[i], images[i]));
+    UncertainSightLine line;
+    line.line = {&frame.camera, orientation->second.cam_from_world, frame.pixel({x[i], y[i]}), sigmas[i], {}};
+    line.pose_covariance = orientation->second.covariance;
+    at->second.emplace_back(images[i], line);
+  }
+  return rays;
+}
+
+IntersectionReport::Point point_of(const std::string& name,
+                                   const std::vector<std::pair<std::string, UncertainSightLine>>& rays,
+                                   const PhotoFrame& frame) {
+  IntersectionReport::Point point;
+  point.name = name;
+  point.rays_given = rays.size();
+  std::vector<UncertainSightLine> lines;
+  for (const auto& [image, line] : rays) lines.push_back(line);
+  const auto found = intersect_oriented(lines);
+  if (!found) return point;
+  point.is_found = true;
+  point.position = found->point_in_world;
+  point.covariance = found->covariance;
+  point.sigma0 = found->sigma0;
+  point.redundancy = found->redundancy;
+  point.max_angle_rad = found->max_angle_rad;
+  const Vector2d axes(1, frame.y_up ? -1 : 1);
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    point.rays.push_back({rays[i].first, found->rays[i].misfit.cwiseProduct(axes), found->rays[i].redundancy,
+                          found->rays[i].w.cwiseProduct(axes)});
+  return point;
+}
+
+// sigma0 over all points; standard deviations and tests by it where none were stated.
+void settle(IntersectionReport& report) {
+  double squares = 0;
+  for (const IntersectionReport::Point& point : report.points) {
+    squares += point.sigma0 * point.sigma0 * point.redundancy;
+    report.variance.redundancy += point.redundancy;
+  }
+  if (report.variance.redundancy > 0) report.variance.sigma0 = std::sqrt(squares / report.variance.redundancy);
+  const double factor = report.variance.factor();
+  for (IntersectionReport::Point& point : report.points) {
+    if (!point.is_found) continue;
+    point.covariance *= factor * factor;
+    point.sigma = point.covariance.diagonal().cwiseSqrt();
+    for (IntersectionReport::Ray& ray : point.rays) ray.w /= factor;
+  }
+}
+
+}  // namespace
+
+Result<IntersectionReport> intersect_from_tables(const std::filesystem::path& measurements,
+                                                 const std::filesystem::path& orientation,
+                                                 const IntersectTableOptions& options) {
+  COLLINEA_TRY(validate(options));
+  const auto in_file = [&](Error e) { return std::move(e).within(measurements.string()); };
+  COLLINEA_TRY(const TextTable table, read_text_table(measurements));
+  COLLINEA_TRY(const PhotoFrame frame, photo_frame(options.photo, table.unit_of("x")).map_error(in_file));
+  IntersectionReport report;
+  COLLINEA_TRY(const auto orientations, read_orientations(orientation, report.orientations_have_sigmas));
+  report.unit = frame.unit();
+  report.variance.alpha = options.alpha;
+  report.variance.sigmas_are_stated =
+      table.has("sigma") || options.sigma.has_value() || report.orientations_have_sigmas;
+  const double given = options.sigma.value_or(frame.y_up ? 0.01 : 1);
+  const double sigma = options.sigma && frame.y_up ? given * unit_factor(table.unit_of("x"), "mm").value_or(1) : given;
+  COLLINEA_TRY(const Rays rays, read_rays(table, frame, sigma, orientations).map_error(in_file));
+  std::map<std::string, GroundTablePoint> ground;
+  if (options.ground) {
+    COLLINEA_TRY(ground, read_ground_table(*options.ground, 0, true));
+  }
+  for (const std::string& name : rays.names) report.points.push_back(point_of(name, rays.of.at(name), frame));
+  settle(report);
+  for (IntersectionReport::Point& point : report.points)
+    if (const auto known = ground.find(point.name); known != ground.end() && point.is_found) {
+      point.has_ground = true;
+      point.off_ground = known->second.position - point.position;
+    }
+  if (rays.names.empty()) return fail(Errc::kBadInput, measurements.string() + " has no measurements");
+  return report;
+}
+
+}  // namespace collinea

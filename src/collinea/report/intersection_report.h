@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "collinea/report/single_step.h"
+
+namespace collinea {
+
+/// Points where rays of oriented images meet.
+struct IntersectionReport {
+  struct Ray {
+    std::string image;
+    Eigen::Vector2d misfit, redundancy, w;  ///< in the table's axes; w by VarianceTest::factor()
+  };
+  struct Point {
+    std::string name;
+    bool is_found = false;  ///< false: one ray, rays too parallel, or a point behind a camera
+    std::size_t rays_given = 0;
+    Eigen::Vector3d position, sigma;
+    Eigen::Matrix3d covariance;
+    double sigma0 = 0, max_angle_rad = 0;
+    int redundancy = 0;
+    std::vector<Ray> rays;
+    bool has_ground = false;
+    Eigen::Vector3d off_ground;  ///< given minus computed
+  };
+  std::string unit;
+  bool orientations_have_sigmas = false;
+  VarianceTest variance;  ///< of all points together
+  std::vector<Point> points;
+};
+
+[[nodiscard]] std::string intersection_text(const IntersectionReport& report);
+/// points, residuals.
+[[nodiscard]] std::vector<NamedTable> intersection_tables(const IntersectionReport& report);
+
+}  // namespace collinea

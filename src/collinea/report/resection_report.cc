@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/report/resection_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "collinea/io/text.h"
+
+namespace collinea {
+namespace {
+
+constexpr double kWeakRatio = 1e-5;  // of eigenvalues: below it a pose of vertical photographs is unusually weak
+
+TextTable marks_table(const ResectionReport& report) {
+  TextTable table;
+  const bool is_one = report.is_station();  // a direction has one coordinate
+  table.columns = {{"image", ""}, {"point", ""}};
+  const std::string unit = report.unit == "mgon" ? "mgon" : report.unit;
+  table.columns.push_back({is_one ? "d_direction" : "dx", unit});
+  if (!is_one) table.columns.push_back({"dy", unit});
+  for (const char* name : {"w", "r"}) {
+    table.columns.push_back({is_one ? std::string(name) : fmt::format("{}_x", name), ""});
+    if (!is_one) table.columns.push_back({fmt::format("{}_y", name), ""});
+  }
+  table.columns.push_back({"used", ""});
+  const int decimals = report.unit == "mm" ? 5 : 3;
+  for (const ResectionReport::Mark& mark : report.marks) {
+    std::vector<std::string> row{mark.image, mark.point};
+    for (int k = 0; k < (is_one ? 1 : 2); ++k) row.push_back(decimal_text(mark.misfit[k], decimals));
+    for (const Eigen::Vector2d& values : {mark.w, mark.redundancy})
+      for (int k = 0; k < (is_one ? 1 : 2); ++k) row.push_back(mark.is_rejected ? "-" : decimal_text(values[k], 2));
+    row.push_back(mark.is_rejected ? "no" : "yes");
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+TextTable orientation_table(const ResectionReport& report) {
+  TextTable table;
+  table.columns = {{"image", ""}};
+  if (report.images.empty()) return table;
+  for (const Estimate& e : report.images[0].exterior) table.columns.push_back({e.name, e.unit});
+  for (const Estimate& e : report.images[0].exterior) table.columns.push_back({"sigma_" + e.name, e.unit});
+  for (const ResectionReport::Image& image : report.images) {
+    if (image.exterior.size() != report.images[0].exterior.size()) continue;
+    std::vector<std::string> row{image.name};
+    for (const Estimate& e : image.exterior) row.push_back(decimal_text(e.value, 8));
+    for (const Estimate& e : image.exterior) row.push_back(e.sigma ? decimal_text(*e.sigma, 8) : "-");
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+TextTable points_table(const ResectionReport& report) {
+  TextTable table;
+  table.columns = {{"point", ""}};
+  for (const char* name : {"X", "Y", "Z", "sigma_X", "sigma_Y", "sigma_Z"}) table.columns.push_back({name, "m"});
+  for (const ResectionReport::Point& point : report.tie_points) {
+    std::vector<std::string> row{point.name};
+    for (const Eigen::Vector3d& values : {point.position, point.sigma})
+      for (const double value : values) row.push_back(decimal_text(value, 5));
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+std::string weakest_text(const PoseConditioning& conditioning) {
+  constexpr std::array<const char*, 6> kMotions{"rotation about X", "rotation about Y", "rotation about Z",
+                                                "X of the centre",  "Y of the centre",  "Z of the centre"};
+  std::string text;
+  for (int k = 0; k < 6; ++k)
+    if (std::abs(conditioning.weakest[k]) > 0.3)
+      text += fmt::format("{}{}", text.empty() ? "" : ", ", kMotions[static_cast<std::size_t>(k)]);
+  return text;
+}
+
+std::string geometry_text(const ResectionReport::Image& image, bool is_station) {
+  std::string text;
+  if (image.conditioning) {
+    text += fmt::format("conditioning: smallest over largest eigenvalue {:.2e}; worst determined together: {}\n",
+                        image.conditioning->ratio, weakest_text(*image.conditioning));
+    if (image.conditioning->ratio < kWeakRatio)
+      text += "the geometry is weak: spread the control over the image and in height\n";
+  }
+  if (!image.danger) return text;
+  const DangerCylinder& danger = *image.danger;
+  const bool on_circle = danger.points_off_m < 0.05 * danger.radius_m;
+  const bool is_near = std::abs(danger.centre_off_m) < 0.1 * danger.radius_m;
+  if (on_circle && is_near)
+    text += fmt::format(
+        "danger: the points lie on a circle of {} and the {} is {} from {} it: the resection is undetermined there. "
+        "Use a point off the circle\n",
+        metres_text(danger.radius_m), is_station ? "station" : "projection centre",
+        metres_text(std::abs(danger.centre_off_m)), is_station ? "" : "the cylinder over");
+  return text;
+}
+
+std::string image_text(const ResectionReport& report, const ResectionReport::Image& image) {
+  std::string text = fmt::format("{}{}, {}:\n", report.is_station() ? "" : "image ", image.name,
+                                 counted_text(image.points, report.is_station() ? "direction" : "point"));
+  if (image.robust_scale > 0)
+    text += fmt::format("robust standard deviation by the least median of squares: {:.3g} {}\n", image.robust_scale,
+                        report.unit);
+  text += estimates_text(image.exterior);
+  if (!image.is_determined) text += "no pose follows without the principal distance\n";
+  if (!image.interior.empty()) text += "interior orientation:\n" + estimates_text(image.interior);
+  if (!image.elements.empty()) text += "elements of the transformation:\n" + estimates_text(image.elements);
+  if (image.covariance.size()) text += correlations_text(image.exterior, image.covariance, 0.8);
+  if (image.solutions.size() > 1) {
+    text += fmt::format("three points have {} poses; taken is the first{}:\n", image.solutions.size(),
+                        report.variance.redundancy > 0
+                            ? ", which suits the other measurements best"
+                            : ", all of them fit (give an approximate centre or a fourth point)");
+    for (const auto& solution : image.solutions) {
+      for (const Estimate& e : solution) text += fmt::format("  {} {}", e.name, decimal_text(e.value, 4));
+      text += "\n";
+    }
+  }
+  return text + geometry_text(image, report.is_station());
+}
+
+std::string method_text(const ResectionReport& report) {
+  switch (report.kind) {
+    case ResectionReport::Kind::kCollinearity:
+      return fmt::format("space resection by collinearity, {}{}, {} iterations",
+                         counted_text(report.images.size(), "image"), report.images.size() == 1 ? "" : " at once",
+                         report.iterations);
+    case ResectionReport::Kind::kDlt:
+      return fmt::format("direct linear transformation, 11 parameters, {} iterations", report.iterations);
+    case ResectionReport::Kind::kPlane:
+      return fmt::format("direct linear transformation of a plane, 8 parameters, {} iterations", report.iterations);
+    case ResectionReport::Kind::kStation:
+      break;
+  }
+  return "plane resection of a station from directions";
+}
+
+std::string suspect_text(const ResectionReport& report) {
+  const ResectionReport::Mark* worst = nullptr;
+  for (const ResectionReport::Mark& mark : report.marks)
+    if (!mark.is_rejected && (!worst || mark.w.cwiseAbs().maxCoeff() > worst->w.cwiseAbs().maxCoeff())) worst = &mark;
+  if (!worst || report.variance.redundancy <= 0) return "";
+  const double w = worst->w.cwiseAbs().maxCoeff(), limit = report.variance.limit();
+  if (w <= limit)
+    return fmt::format("no measurement contradicts the others: largest |w| {:.2f} (point {}, {}), limit {:.2f}\n", w,
+                       worst->point, worst->image, limit);
+  return fmt::format(
+      "the measurement of point {} in {} contradicts the others: |w| {:.2f}, limit {:.2f}. Measure it "
+      "again, look at its ground coordinates, or leave it out\n",
+      worst->point, worst->image, w, limit);
+}
+
+}  // namespace
+
+std::string resection_text(const ResectionReport& report) {
+  std::string text = method_text(report) + "\n" + variance_text(report.variance);
+  for (const ResectionReport::Image& image : report.images) text += image_text(report, image);
+  text += "residuals, measured minus computed:\n" + indented_rows(marks_table(report));
+  if (!report.tie_points.empty()) text += "tie points:\n" + indented_rows(points_table(report));
+  for (const ResectionReport::Mark& mark : report.marks)
+    if (mark.is_rejected)
+      text += fmt::format("point {} in {} takes no part: it is off by {:.3g} {}\n", mark.point, mark.image,
+                          mark.misfit.norm(), report.unit);
+  return text + suspect_text(report);
+}
+
+std::vector<NamedTable> resection_tables(const ResectionReport& report) {
+  std::vector<NamedTable> tables{{"orientation.txt", orientation_table(report)},
+                                 {"residuals.txt", marks_table(report)}};
+  if (report.images.size() == 1 && report.images[0].covariance.size())
+    tables.push_back({"correlations.txt", correlations_table(report.images[0].exterior, report.images[0].covariance)});
+  if (!report.tie_points.empty()) tables.push_back({"points.txt", points_table(report)});
+  return tables;
+}
+
+}  // namespace collinea

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "collinea/orient/space_resection.h"
+#include "collinea/report/single_step.h"
+
+namespace collinea {
+
+/// A resection of one image or more, or of a station in the plane, and what its points say of it.
+struct ResectionReport {
+  enum class Kind { kCollinearity, kDlt, kPlane, kStation };
+  struct Image {
+    std::string name;
+    std::size_t points = 0;
+    std::vector<Estimate> exterior;                ///< X, Y, Z, omega, phi, kappa; of a station X, Y, orientation
+    Eigen::MatrixXd covariance;                    ///< of it, in its units; empty without
+    std::vector<Estimate> interior;                ///< by the direct linear transformation
+    std::vector<Estimate> elements;                ///< its parameters
+    std::vector<std::vector<Estimate>> solutions;  ///< all poses of three points
+    std::optional<PoseConditioning> conditioning;
+    std::optional<DangerCylinder> danger;  ///< in the plane: the circle
+    double robust_scale = 0;               ///< of the least median of squares; 0 where it was not asked for
+    bool is_determined = true;             ///< a pose follows from what was given
+  };
+  struct Mark {
+    std::string image, point;
+    Eigen::Vector2d misfit, redundancy, w;  ///< in the table's axes; w by VarianceTest::factor()
+    bool is_rejected = false;
+  };
+  struct Point {
+    std::string name;
+    Eigen::Vector3d position, sigma;
+  };
+  Kind kind = Kind::kCollinearity;
+  int iterations = 0;
+  std::string unit;  ///< of the misfits: px, mm or mgon
+  std::vector<Image> images;
+  std::vector<Mark> marks;
+  std::vector<Point> tie_points;
+  VarianceTest variance;
+
+  [[nodiscard]] bool is_station() const { return kind == Kind::kStation; }
+};
+
+[[nodiscard]] std::string resection_text(const ResectionReport& report);
+/// orientation, correlations (of one image), residuals, points.
+[[nodiscard]] std::vector<NamedTable> resection_tables(const ResectionReport& report);
+
+}  // namespace collinea
