@@ -314,9 +314,10 @@ std::optional<Match> match_one(const GreyImage& scan, const MarkTemplate& drawin
     const Row step = normals.ldlt().solve(right);
     if (!step.allFinite()) return std::nullopt;
     const Vector2d shift = step.head<2>();
-    if (shift.norm() < 2e-4 && step.segment<4>(2).norm() < 1e-4)
+    if (shift.norm() < 1e-3 && step.segment<4>(2).norm() < 1e-3)
       return finished(*window, at, normals, variance * prior.normals, scan);
-    const double shorter = std::min(1.0, 1.5 / std::max(1e-9, shift.norm()));
+    // Shorter when they go to and fro: of a round mark rotation is known from grain and prior only.
+    const double shorter = std::min(round < 8 ? 1.0 : 0.5, 1.5 / std::max(1e-9, shift.norm()));
     at.centre += shorter * shift;
     at.warp(0, 0) += shorter * step[2];
     at.warp(0, 1) += shorter * step[3];
@@ -325,9 +326,11 @@ std::optional<Match> match_one(const GreyImage& scan, const MarkTemplate& drawin
     at.gain += shorter * step[6];
     at.offset += shorter * step[7];
     if ((at.centre - start).norm() > farthest) return std::nullopt;
-    const auto moved = window_about(scan, drawing, at.centre);
-    if (!moved) return std::nullopt;
-    window = moved;
+    // The window follows by whole pixels only when it must: it would go to and fro about a pixel's edge.
+    const double middle = window->width / 2.0;
+    if ((at.centre - Vector2d(window->left + middle, window->top + middle)).cwiseAbs().maxCoeff() <= 1) continue;
+    window = window_about(scan, drawing, at.centre);
+    if (!window) return std::nullopt;
   }
   return std::nullopt;
 }
