@@ -14,7 +14,9 @@ Command interior_command() {
   return console_command<Asked>(
       "interior", "interior orientation of scanned photographs by their fiducial marks",
       [](Flags& flags, Asked& asked) {
-        flags.positional("measurements", asked.measurements, "table of measured marks: image mark x[px] y[px]", false);
+        flags.positional(
+            "measurements", asked.measurements,
+            "table of measured marks: image mark x[px] y[px]; or a scan, or a folder of scans, to find them in", false);
         flags.add_all(asked.options, "interior");
         flags.add_all(asked.console, "run");
       },

@@ -167,10 +167,25 @@ Result<InteriorReport::Image> orient_without_marks(const FilmCalibration& calibr
   return image;
 }
 
+// By marks that are found in scans. What the pixels say of their precision is the least of it: film moves by more.
+Result<> orient_scans(InteriorReport& report, const fs::path& scans, const InteriorOptions& options,
+                      std::optional<double> pixel_mm, const Run& run) {
+  COLLINEA_TRY(auto found, find_scan_marks(scans, report.calibration, pixel_mm, options.scans, run));
+  report.sigmas_are_known = options.sigma.has_value();
+  const FilmFitOptions fitting{
+      .sigmas_are_known = report.sigmas_are_known, .reject_misread = !options.keep_misread, .pixel_mm = pixel_mm};
+  for (ScanMarks& scan : found) {
+    if (options.sigma)
+      for (MarkReading& mark : scan.marks) mark.sigma = *options.sigma;
+    COLLINEA_TRY(auto image, orient_image(report.calibration, {scan.image, scan.marks}, options, fitting, 0.5));
+    image.least_correlation = scan.least_correlation;
+    report.images.push_back(std::move(image));
+  }
+  return {};
+}
+
 Result<> orient_table(InteriorReport& report, const fs::path& measurements, const InteriorOptions& options,
                       std::optional<double> pixel_mm) {
-  if (report.calibration.marks.empty())
-    return fail(Errc::kBadInput, "the calibration has no marks: lines mark NAME X Y", {"calibration"_option});
   COLLINEA_TRY(const Positions positions, read_positions(measurements, "mark", options.sigma.value_or(1)));
   report.unit = positions.unit;
   const bool in_pixels = report.unit == "px";
@@ -193,7 +208,8 @@ Result<> orient_table(InteriorReport& report, const fs::path& measurements, cons
 
 }  // namespace
 
-Result<InteriorReport> interior_orientation(const fs::path& measurements, const InteriorOptions& options, const Run&) {
+Result<InteriorReport> interior_orientation(const fs::path& measurements, const InteriorOptions& options,
+                                            const Run& run) {
   COLLINEA_TRY(validate(options));
   if (!options.calibration)
     return fail(Errc::kBadInput, "nothing says what the camera is: give its calibration", {"calibration"_option});
@@ -206,6 +222,10 @@ Result<InteriorReport> interior_orientation(const fs::path& measurements, const 
   if (measurements.empty()) {
     COLLINEA_TRY(auto image, orient_without_marks(report.calibration, options, pixel_mm));
     report.images.push_back(std::move(image));
+  } else if (report.calibration.marks.empty()) {
+    return fail(Errc::kBadInput, "the calibration has no marks: lines mark NAME X Y", {"calibration"_option});
+  } else if (is_scan(measurements)) {
+    COLLINEA_TRY(orient_scans(report, measurements, options, pixel_mm, run));
   } else {
     COLLINEA_TRY(orient_table(report, measurements, options, pixel_mm));
   }

@@ -9,6 +9,7 @@
 #include "collinea/base/result.h"
 #include "collinea/base/run.h"
 #include "collinea/camera/film_transformation.h"
+#include "collinea/jobs/internal/scan_marks.h"
 #include "collinea/report/interior_report.h"
 
 namespace collinea {
@@ -23,6 +24,7 @@ struct InteriorOptions {
   double point_sigma = 0.3;
   bool keep_misread = false;
   std::optional<std::filesystem::path> out = {};
+  ScanMarkOptions scans = {};
 
   template <class Visit>
   static void describe(Visit&& visit) {
@@ -48,11 +50,13 @@ struct InteriorOptions {
     visit(Field{"keep_misread", &O::keep_misread, "", "leave no mark out, however much it contradicts the others"});
     visit(Field{"out", &O::out, "", "folder for the tables of parameters, residuals and points"}.leads_to(
         PathKind::kFolder));
+    visit(Group{"scans", &O::scans});
   }
 };
 
 /// The interior orientation of photographs from a table of measured marks (image mark x y [sigma]; coordinates in px,
-/// or in mm or um with y up; the same mark again is another reading of it), or by --principal-point-px without one (an
+/// or in mm or um with y up; the same mark again is another reading of it), from
+/// the marks found in a scan or a folder of scans, or by --principal-point-px without one (an
 /// empty path). Errors: files, columns, no calibration, marks that determine nothing.
 [[nodiscard]] Result<InteriorReport> interior_orientation(const std::filesystem::path& measurements,
                                                           const InteriorOptions& options, const Run& run);

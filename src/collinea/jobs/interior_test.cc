@@ -9,6 +9,9 @@
 #include "collinea/base/file.h"
 #include "collinea/base/source_tree.h"
 #include "collinea/base/test_folder.h"
+#include "collinea/feature/scan_for_tests.h"
+#include "collinea/io/film_calibration_file.h"
+#include "collinea/raster/image_file.h"
 
 namespace collinea {
 namespace {
@@ -123,6 +126,38 @@ TEST_F(Interior, WrongInputIsToldWhatToDo) {
   asked.calibration = file("bare.txt", "principal_distance_mm 152\n");
   asked.principal_point_px.reset();
   EXPECT_TRUE(has(message(kMarks, asked), "no marks"));
+}
+
+// Marks are found in a scan that is turned by a quarter, and a scan without marks says so.
+TEST_F(Interior, MarksAreFoundInScans) {
+  const std::string camera =
+      "principal_distance_mm 20\nfilm_size_mm 24 24\nmark_size_mm 0.8 0.12\nmark 1 -10 -10\nmark 2 10 -10\n"
+      "mark 3 10 10\nmark 4 -10 10 dot\n";
+  InteriorOptions asked{.calibration = file("camera.txt", camera)};
+  const auto calibration = parse_film_calibration(camera);
+  ASSERT_TRUE(calibration);
+  FilmTransformation truth;
+  truth.parameters = Eigen::Vector4d(483.2, 477.9, M_PI / 2 + 0.01, 40);
+  Random random(8);
+  fs::create_directories(folder_ / "scans");
+  ASSERT_TRUE(write_png(folder_ / "scans" / "7.png", rendered_scan(*calibration, truth, 960, 960, {}, 1, random)));
+  asked.scans.turned_deg = 90;
+  asked.scans.search_mm = 1.5;
+  const auto done = interior_orientation(folder_ / "scans", asked, {});
+  ASSERT_TRUE(done) << done.error().message;
+  ASSERT_EQ(done->images.size(), 1u);
+  EXPECT_EQ(done->images[0].name, "7");
+  EXPECT_LT((done->images[0].orientation.fit.transformation.pixel_of({3, 4}) - truth.pixel_of({3, 4})).norm(), 0.1);
+  EXPECT_NE(interior_text(*done).find("found in the scan"), std::string::npos);
+  ASSERT_TRUE(write_png(folder_ / "scans" / "0.png", GreyImage(960, 960, 1, 80)));
+  EXPECT_NE(interior_orientation(folder_ / "scans", asked, {}).error().message.find("fewer than three"),
+            std::string::npos);
+  asked.scans.turned_deg = 45;
+  EXPECT_FALSE(interior_orientation(folder_ / "scans", asked, {}));
+  asked.scans = {.mark_at = "5,5"};
+  EXPECT_FALSE(interior_orientation(folder_ / "scans", asked, {}));
+  fs::create_directories(folder_ / "none");
+  EXPECT_FALSE(interior_orientation(folder_ / "none", asked, {}));
 }
 
 // All four readers of film_pairs: what the second one gives for marks 2, 3, 5, 6, 7 of image 27 are the marks of image

@@ -107,6 +107,9 @@ std::string image_text(const Image& image, const InteriorReport& report) {
   if (!image.has_marks)
     return text + "  by principal point and size of a pixel, without marks\n" + parameter_lines(image, report.unit);
   text += reading_lines(image, report.unit);
+  if (image.least_correlation)
+    text += fmt::format("  {} marks found in the scan, with correlations of {:.2f} and more\n",
+                        image.readings.marks.size(), *image.least_correlation);
   if (!image.unknown.empty()) text += fmt::format("  not in the calibration, not used: {}\n", joined(image.unknown));
   if (!image.missing.empty()) text += fmt::format("  not measured: {}\n", joined(image.missing));
   text += fmt::format("  {}, {} parameters from {} marks, redundancy {}", word_of(t.model), t.parameters.size(),

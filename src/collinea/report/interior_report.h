@@ -19,6 +19,7 @@ struct InteriorReport {
     bool has_marks = true;   ///< false: by principal point and size of a pixel
     FilmChoice orientation;  ///< tests only where the model was chosen
     ReadMarks readings;
+    std::optional<double> least_correlation = {};  ///< of marks found in the scan with their drawing
     std::optional<FilmDeformation> deformation;
     std::vector<std::string> unknown, missing;  ///< marks that the calibration has not; that were not measured
   };

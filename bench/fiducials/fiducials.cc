@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// How well fiducial marks are found: rendered scans of 60 mm at 15 um a pixel with eight marks of four kinds (1 mm
+// wide), with grain, blur, rotation, shift and a film that is stretched and sheared.
+//
+// usage: collinea_bench_fiducials [SCANS]     (200)
+//        collinea_bench_fiducials crop FILE KIND SIZE_PX LINE_PX     the best three marks in a photograph, and no more
+//
+// Prints of each kind how many were found, the error in a coordinate (RMS), the largest error of a position, and
+// chi-squared of errors over covariances for a degree of freedom; then the deformation of the film, likewise. Exit code
+// 1: a mark that is missing or farther off than 0.1 px (cross, dot, ring) or 0.25 px (corner, notch).
+#include <fmt/core.h>
+
+#include <Eigen/LU>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+#include <string_view>
+
+#include "collinea/feature/fiducial_search.h"
+#include "collinea/feature/scan_for_tests.h"
+#include "collinea/raster/image_file.h"
+
+using namespace collinea;
+
+namespace {
+
+constexpr std::array<MarkKind, 5> kKinds = {MarkKind::kCross, MarkKind::kDot, MarkKind::kRing, MarkKind::kCorner,
+                                            MarkKind::kNotch};
+
+struct Tally {
+  int wanted = 0, found = 0;
+  double squares = 0, largest = 0, chi2 = 0;
+};
+
+FilmCalibration camera(int scan) {
+  FilmCalibration c;
+  c.size_mm = {60, 60};
+  c.mark_size_mm = 1;
+  c.line_mm = 0.12;
+  for (int i = 0; i < 8; ++i) {
+    const double angle = i * std::numbers::pi / 4, r = i % 2 == 0 ? 28 : 26 * std::numbers::sqrt2;
+    c.marks.push_back({.name = std::to_string(i + 1),
+                       .film_mm = {r * std::cos(angle), r * std::sin(angle)},
+                       .kind = kKinds[std::size_t(i % 4 + scan) % 5]});
+  }
+  return c;
+}
+
+// The best three marks of a kind in an image.
+int look_at(char** argv) {
+  const auto image = read_grey(argv[2]);
+  const auto kind = from_word<MarkKind>(argv[3]);
+  if (!image || !kind) return 2;
+  const MarkModel drawn = drawn_mark(*kind, std::atof(argv[4]), std::atof(argv[5]), 0);
+  const double reach = std::hypot(image->width, image->height) / 2;
+  for (const FoundMark& found : search_mark(*image, drawn, {image->width / 2.0, image->height / 2.0}, reach, 3))
+    fmt::print("{:.2f} {:.2f} +- {:.3f} {:.3f}  correlation {:.3f}\n", found.pixel.x(), found.pixel.y(),
+               std::sqrt(found.covariance(0, 0)), std::sqrt(found.covariance(1, 1)), found.correlation);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc == 6 && std::string_view(argv[1]) == "crop") return look_at(argv);
+  const int scans = argc > 1 ? std::atoi(argv[1]) : 200;
+  std::array<Tally, 5> tallies{};
+  double difference_chi2 = 0, shear_chi2 = 0;
+  int deformed = 0;
+  for (int scan = 0; scan < scans; ++scan) {
+    Random random(2026, std::uint64_t(scan));
+    const FilmCalibration c = camera(scan);
+    FilmTransformation truth;
+    truth.model = FilmModel::kAffine;
+    const double difference = random.uniform(-5e-4, 5e-4), shear = random.uniform(-3e-4, 3e-4), scale = 66.667;
+    truth.parameters = (Eigen::VectorXd(6) << 2000 + random.uniform(-40, 40), 2000 + random.uniform(-40, 40),
+                        random.uniform(-0.02, 0.02), scale * (1 + difference), scale, shear)
+                           .finished();
+    const ScanLook look{.blur_px = random.uniform(0.7, 1.8),
+                        .grain = random.uniform(2, 5),
+                        .grain_blur_px = 0.6,
+                        .mark = random.uniform(140, 230),
+                        .background = random.uniform(15, 60)};
+    const GreyImage image = rendered_scan(c, truth, 4000, 4000, look, 1.6, random);
+    const auto found =
+        find_fiducials(image, c, {.predicted = predicted_scan(c, 4000, 4000, 0.015, 0), .radius_mm = 2}, {});
+    std::vector<FilmMark> marks;
+    for (const CalibratedMark& mark : c.marks) {
+      Tally& tally = tallies[std::size_t(*mark.kind)];
+      ++tally.wanted;
+      for (const FoundFiducial& one : found) {
+        if (one.name != mark.name) continue;
+        const Eigen::Vector2d off = one.mark.pixel - truth.pixel_of(mark.film_mm);
+        ++tally.found;
+        tally.squares += off.squaredNorm();
+        tally.largest = std::max(tally.largest, off.norm());
+        tally.chi2 += off.dot(one.mark.covariance.inverse() * off);
+        marks.push_back({mark.name, mark.film_mm, one.mark.pixel, one.mark.covariance});
+      }
+    }
+    if (const auto d = film_deformation(marks, {.sigmas_are_known = true, .reject_misread = false})) {
+      ++deformed;
+      difference_chi2 += std::pow((d->difference_ppm.value - 1e6 * difference) / d->difference_ppm.sigma, 2);
+      shear_chi2 += std::pow((d->shear_ppm.value - 1e6 * shear) / d->shear_ppm.sigma, 2);
+    }
+  }
+  bool is_good = deformed == scans;
+  fmt::print("kind      wanted  found  RMS [px]  largest [px]  chi2/degree\n");
+  for (std::size_t k = 0; k < kKinds.size(); ++k) {
+    const Tally& t = tallies[k];
+    fmt::print("{:<8}{:>8}{:>7}{:>10.4f}{:>14.4f}{:>13.2f}\n", word_of(kKinds[k]), t.wanted, t.found,
+               std::sqrt(t.squares / std::max(1, 2 * t.found)), t.largest, t.chi2 / std::max(1, 2 * t.found));
+    is_good &= t.found == t.wanted && t.largest <= (k < 3 ? 0.1 : 0.25);
+  }
+  fmt::print("film deformation of {} scans: chi2/degree {:.2f} (difference of scales), {:.2f} (shear)\n", deformed,
+             difference_chi2 / std::max(1, deformed), shear_chi2 / std::max(1, deformed));
+  return is_good ? 0 : 1;
+}

@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/feature/fiducial_search.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "collinea/base/parallel.h"
+
+namespace collinea {
+namespace {
+
+using Eigen::Vector2d;
+
+// A part of a scan at a reduced size: means of factor x factor pixels.
+FloatImage reduced(const GreyImage& scan, int left, int top, int width, int height, int factor) {
+  FloatImage out(width / factor, height / factor);
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x) {
+      int sum = 0;
+      for (int j = 0; j < factor; ++j) {
+        const std::uint8_t* row = scan.row(top + y * factor + j) + left + x * factor;
+        for (int i = 0; i < factor; ++i) sum += row[i];
+      }
+      out.at(x, y) = float(sum) / float(factor * factor);
+    }
+  return out;
+}
+
+// A drawing at that size, with the mark in the middle of its middle pixel, less its mean.
+FloatImage reduced(const MarkTemplate& drawing, int factor) {
+  const int half = std::max(1, int(0.85 * drawing.half_px()) / factor);
+  FloatImage out(2 * half + 1, 2 * half + 1);
+  const int fine = std::max(1, int(std::lround(factor / drawing.spacing_px)));
+  float mean = 0;
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x) {
+      float sum = 0;
+      for (int k = 0; k < fine * fine; ++k) {
+        const Vector2d cell((k % fine + 0.5) / fine - 0.5, (k / fine + 0.5) / fine - 0.5);
+        const Vector2d at = drawing.centre + (Vector2d(x - half, y - half) + cell) * (factor / drawing.spacing_px);
+        sum += bilinear(drawing.values, at.x(), at.y());
+      }
+      mean += out.at(x, y) = sum / float(fine * fine);
+    }
+  mean /= float(out.data.size());
+  for (float& value : out.data) value -= mean;
+  return out;
+}
+
+// The correlation coefficient of the template with the pixels whose upper left one is x, y.
+float correlation(const FloatImage& image, const FloatImage& drawing, float drawing_norm, int x, int y) {
+  float sum = 0, squares = 0, products = 0;
+  for (int j = 0; j < drawing.height; ++j) {
+    const float *pixels = image.row(y + j) + x, *drawn = drawing.row(j);
+    for (int i = 0; i < drawing.width; ++i) {
+      sum += pixels[i];
+      squares += pixels[i] * pixels[i];
+      products += pixels[i] * drawn[i];
+    }
+  }
+  const float count = float(drawing.data.size()), spread = squares - sum * sum / count;
+  return spread > 0.5F * count ? products / (drawing_norm * std::sqrt(spread)) : 0;
+}
+
+// Largest values of a map in their neighbourhood, best first.
+std::vector<std::pair<float, Vector2d>> peaks(const FloatImage& map, int reach, std::size_t most) {
+  std::vector<std::pair<float, Vector2d>> out;
+  for (int y = 0; y < map.height; ++y)
+    for (int x = 0; x < map.width; ++x) {
+      const float value = map.at(x, y);
+      if (value < 0.3F) continue;
+      bool is_largest = true;
+      for (int j = std::max(0, y - reach); is_largest && j <= std::min(map.height - 1, y + reach); ++j)
+        for (int i = std::max(0, x - reach); i <= std::min(map.width - 1, x + reach); ++i)
+          is_largest &=
+              map.at(i, j) < value || (i == x && j == y) || (map.at(i, j) == value && (j > y || (j == y && i > x)));
+      if (is_largest) out.emplace_back(value, Vector2d(x, y));
+    }
+  std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  if (out.size() > most) out.resize(most);
+  return out;
+}
+
+}  // namespace
+
+std::vector<FoundMark> search_mark(const GreyImage& scan, const MarkModel& mark, const Vector2d& predicted,
+                                   double radius_px, int most) {
+  if (mark.blurred.empty() || !predicted.allFinite()) return {};
+  const MarkTemplate& drawing = mark.blurred[mark.blurred.size() / 2];
+  const int factor = std::max(1, int(drawing.half_px() / 9));
+  const double reach = radius_px + drawing.half_px();
+  const int left = int(std::clamp(predicted.x() - reach, 0.0, double(scan.width)));
+  const int top = int(std::clamp(predicted.y() - reach, 0.0, double(scan.height)));
+  const int right = int(std::clamp(predicted.x() + reach, 0.0, double(scan.width)));
+  const int bottom = int(std::clamp(predicted.y() + reach, 0.0, double(scan.height)));
+  const FloatImage part = reduced(scan, left, top, right - left, bottom - top, factor),
+                   small = reduced(drawing, factor);
+  if (part.width < small.width || part.height < small.height) return {};
+  float norm = 0;
+  for (const float value : small.data) norm += value * value;
+  norm = std::sqrt(norm);
+  FloatImage map(part.width - small.width + 1, part.height - small.height + 1);
+  for (int y = 0; y < map.height; ++y)
+    for (int x = 0; x < map.width; ++x) map.at(x, y) = std::abs(correlation(part, small, norm, x, y));
+  std::vector<FoundMark> found;
+  for (const auto& [value, at] : peaks(map, std::max(1, small.width / 6), 4 * std::size_t(most))) {
+    const Vector2d start = Vector2d(left, top) + factor * (at + Vector2d(small.width, small.height) / 2);
+    if (found.size() >= 2 * std::size_t(most)) break;
+    const auto match = match_mark(scan, mark, start);
+    if (!match || (match->pixel - predicted).norm() > radius_px) continue;
+    const auto is_same = [&](const FoundMark& other) {
+      return (other.pixel - match->pixel).norm() < 0.1 * drawing.half_px();
+    };
+    if (std::none_of(found.begin(), found.end(), is_same)) found.push_back(*match);
+  }
+  std::stable_sort(found.begin(), found.end(), [](const FoundMark& a, const FoundMark& b) {
+    return std::abs(a.correlation) > std::abs(b.correlation);
+  });
+  if (found.size() > std::size_t(most)) found.resize(std::size_t(most));
+  return found;
+}
+
+namespace {
+
+// How alike the pixels are to themselves turned by 180 degrees about a position.
+double point_symmetry(const GreyImage& scan, const Vector2d& centre, int half) {
+  double sum = 0, squares = 0, products = 0;
+  int count = 0;
+  for (int y = -half; y <= half; ++y)
+    for (int x = -half; x <= half; ++x) {
+      const double a = bilinear(scan, centre.x() + x, centre.y() + y),
+                   b = bilinear(scan, centre.x() - x, centre.y() - y);
+      sum += a;
+      squares += a * a;
+      products += a * b;
+      ++count;
+    }
+  const double mean = sum * sum / count;
+  return squares - mean > 1 ? (products - mean) / (squares - mean) : 0;
+}
+
+// The position of largest symmetry nearby, refined by a parabola in each direction; the given one where there is none.
+Vector2d symmetric_centre(const GreyImage& scan, const Vector2d& pointed, int half) {
+  Vector2d best = pointed;
+  double most = 0;
+  const int reach = std::max(1, half / 4);
+  for (int y = -2 * reach; y <= 2 * reach; ++y)
+    for (int x = -2 * reach; x <= 2 * reach; ++x) {
+      const Vector2d at = pointed + Vector2d(x, y) / 2;
+      const double value = point_symmetry(scan, at, half);
+      if (value > most) {
+        most = value;
+        best = at;
+      }
+    }
+  if (most < 0.8) return pointed;
+  Vector2d refined = best;
+  for (int k = 0; k < 2; ++k) {
+    const Vector2d step = Vector2d::Unit(k);
+    const double less = point_symmetry(scan, best - step, half), more = point_symmetry(scan, best + step, half);
+    const double bend = less - 2 * most + more;
+    if (bend < 0) refined[k] += std::clamp((less - more) / (2 * bend), -0.5, 0.5);
+  }
+  return refined;
+}
+
+// The direction from a mark to the inside of the photograph, on the film with y down: along an axis from marks in the
+// middle of a side, at 45 degrees from those in corners. Crosses stand upright.
+double inwards_of(MarkKind kind, const Vector2d& film_mm) {
+  if (kind != MarkKind::kCorner && kind != MarkKind::kNotch) return 0;
+  const Vector2d d(-film_mm.x(), film_mm.y());
+  const double eighth = std::numbers::pi / 4;
+  return eighth * std::round(std::atan2(d.y(), d.x()) / eighth);
+}
+
+struct Candidate {
+  std::size_t mark;
+  FoundMark found;
+};
+
+// The similarity of two candidates, if it is near the predicted one.
+std::optional<FilmTransformation> similarity_of(const FilmMark& a, const FilmMark& b, const FilmTransformation& near) {
+  const FilmMark pair[] = {a, b};
+  const Vector2d q(b.film_mm.x() - a.film_mm.x(), a.film_mm.y() - b.film_mm.y()), p = b.pixel - a.pixel;
+  if (!(q.norm() > 1)) return std::nullopt;
+  FilmTransformation t = near;
+  t.parameters[3] = p.norm() / q.norm();
+  t.parameters[2] = std::atan2(q.x() * p.y() - q.y() * p.x(), q.dot(p));
+  t.parameters.head<2>().setZero();
+  t.parameters.head<2>() = (pair[0].pixel + pair[1].pixel - t.pixel_of(a.film_mm) - t.pixel_of(b.film_mm)) / 2;
+  const double turned = std::remainder(t.parameters[2] - near.parameters[2], 2 * std::numbers::pi);
+  if (std::abs(turned) > 5 * std::numbers::pi / 180) return std::nullopt;
+  if (std::abs(t.parameters[3] / near.parameters[3] - 1) > 0.05) return std::nullopt;
+  return t;
+}
+
+// Of each mark the candidate that a similarity predicts, within 0.2 mm; and the sum of their correlations.
+std::pair<double, std::vector<const Candidate*>> agreeing(const FilmTransformation& t,
+                                                          const FilmCalibration& calibration,
+                                                          const std::vector<Candidate>& candidates) {
+  std::vector<const Candidate*> best(calibration.marks.size(), nullptr);
+  for (const Candidate& candidate : candidates) {
+    const Vector2d off = candidate.found.pixel - t.pixel_of(calibration.marks[candidate.mark].film_mm);
+    if (off.norm() > 0.2 * t.parameters[3]) continue;
+    const Candidate*& kept = best[candidate.mark];
+    if (!kept || std::abs(candidate.found.correlation) > std::abs(kept->found.correlation)) kept = &candidate;
+  }
+  double score = 0;
+  for (const Candidate* one : best)
+    if (one) score += std::abs(one->found.correlation);
+  return {score, best};
+}
+
+}  // namespace
+
+std::optional<MarkModel> learnt_mark(const GreyImage& scan, const Vector2d& pointed, double size_px) {
+  const int half = int(size_px / 2);
+  const auto fits = [&](const Vector2d& at) {
+    return at.allFinite() && half >= 4 && at.x() >= half + 2 && at.y() >= half + 2 && at.x() + half + 2 <= scan.width &&
+           at.y() + half + 2 <= scan.height;
+  };
+  if (!fits(pointed)) return std::nullopt;
+  Vector2d centre = symmetric_centre(scan, pointed, half);
+  if (!fits(centre)) centre = pointed;
+  const int left = int(std::floor(centre.x())) - half, top = int(std::floor(centre.y())) - half;
+  MarkTemplate drawing{FloatImage(2 * half + 1, 2 * half + 1), 1, centre - Vector2d(left, top)};
+  float low = 255, high = 0;
+  for (int y = 0; y < drawing.values.height; ++y)
+    for (int x = 0; x < drawing.values.width; ++x) {
+      const float value = drawing.values.at(x, y) = float(scan.at(left + x, top + y));
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
+  if (!(high > low)) return std::nullopt;
+  return MarkModel{{drawing}};
+}
+
+FilmTransformation predicted_scan(const FilmCalibration& calibration, int width_px, int height_px,
+                                  std::optional<double> pixel_mm, int quarter_turns) {
+  const bool is_across = quarter_turns % 2 != 0;
+  const double width = is_across ? calibration.size_mm.y() : calibration.size_mm.x();
+  const double height = is_across ? calibration.size_mm.x() : calibration.size_mm.y();
+  FilmTransformation t;
+  t.model = FilmModel::kSimilarity;
+  const double scale = pixel_mm ? 1 / *pixel_mm : std::sqrt(width_px / width * (height_px / height));
+  t.parameters = Eigen::Vector4d(width_px / 2.0, height_px / 2.0, quarter_turns * std::numbers::pi / 2, scale);
+  return t;
+}
+
+namespace {
+
+// The chosen candidates, matched with the rotation that all of them together have.
+std::vector<FoundFiducial> matched_again(const GreyImage& scan, const FilmCalibration& calibration,
+                                         const std::vector<const Candidate*>& chosen,
+                                         const std::vector<MarkModel>& models, const FilmTransformation& near) {
+  std::vector<FilmMark> marks;
+  for (const Candidate* one : chosen)
+    if (one) marks.push_back({"", calibration.marks[one->mark].film_mm, one->found.pixel});
+  if (marks.size() < 3) return {};
+  const auto fit = fit_film(marks, FilmModel::kSimilarity, {.reject_misread = false});
+  if (!fit) return {};
+  const double rotation = std::remainder(fit->transformation.parameters[2] - near.parameters[2], 2 * std::numbers::pi);
+  std::vector<FoundFiducial> out;
+  for (const Candidate* one : chosen) {
+    if (!one) continue;
+    const auto again = match_mark(scan, models[one->mark], one->found.pixel, {rotation, 0.002, 0.03});
+    out.push_back({calibration.marks[one->mark].name, again ? *again : one->found});
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<FoundFiducial> find_fiducials(const GreyImage& scan, const FilmCalibration& calibration,
+                                          const FiducialSearch& search, const Run& run) {
+  const FilmTransformation& near = search.predicted;
+  const double scale = near.parameters[3];
+  std::vector<std::vector<FoundMark>> of_mark(calibration.marks.size());
+  std::vector<MarkModel> models(calibration.marks.size());
+  parallel_for(run, of_mark.size(), [&](std::size_t i) {
+    const CalibratedMark& mark = calibration.marks[i];
+    const MarkKind kind = mark.kind.value_or(search.kind);
+    models[i] = search.learnt ? *search.learnt
+                              : drawn_mark(kind, scale * calibration.mark_size_mm, scale * calibration.line_mm,
+                                           inwards_of(kind, mark.film_mm) + near.parameters[2]);
+    of_mark[i] = search_mark(scan, models[i], near.pixel_of(mark.film_mm), scale * search.radius_mm, 3);
+  });
+  std::vector<Candidate> candidates;
+  for (std::size_t i = 0; i < of_mark.size(); ++i)
+    for (const FoundMark& found : of_mark[i]) candidates.push_back({i, found});
+  std::pair<double, std::vector<const Candidate*>> best{0, {}};
+  const auto as_mark = [&](const Candidate& one) {
+    return FilmMark{.name = {}, .film_mm = calibration.marks[one.mark].film_mm, .pixel = one.found.pixel};
+  };
+  for (std::size_t i = 0; i < candidates.size(); ++i)
+    for (std::size_t j = i + 1; j < candidates.size(); ++j) {
+      if (candidates[i].mark == candidates[j].mark) continue;
+      const auto t = similarity_of(as_mark(candidates[i]), as_mark(candidates[j]), near);
+      if (!t) continue;
+      auto agreed = agreeing(*t, calibration, candidates);
+      if (agreed.first > best.first) best = std::move(agreed);
+    }
+  return matched_again(scan, calibration, best.second, models, near);
+}
+
+}  // namespace collinea
