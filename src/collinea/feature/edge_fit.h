@@ -2,10 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <optional>
 #include <span>
 
-#include "collinea/feature/edges.h"
+#include "collinea/feature/edge_map.h"
 
 // Curves through points of edges by least squares. Each point measures across its edge; the weight is 1 / sigma^2.
 // Neighbouring points have noise in common (EdgeMap::along_px), therefore
