@@ -27,9 +27,9 @@ std::string edges_text(const EdgesReport& report) {
     text += "\n";
   }
   if (report.not_measured > 0)
-    text += fmt::format(
-        "weak: {} of the points given show no target: look at them, or change --target, --target-radius-px\n",
-        report.not_measured);
+    text +=
+        fmt::format("weak: {} of the points given show no target of that kind and size: look at them in the image\n",
+                    report.not_measured);
   if (report.scaled > 0)
     text += fmt::format(
         "note: residuals of {} of them are larger than the noise explains; their standard deviations are multiplied by "
