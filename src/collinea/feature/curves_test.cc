@@ -71,7 +71,7 @@ TEST(Curves, PsiOfSOfACircleIsALine) {
   const auto right = psi_s(circle(25, 200), true, 5);
   ASSERT_EQ(right.size(), 200u);
   for (const PsiS& p : right) {
-    EXPECT_NEAR(p.curvature_per_px, 1 / 25.0, 3e-4);
+    EXPECT_NEAR(p.curvature_per_px, 1 / 25.0, 5e-4);  // a parabola is not a circle
     EXPECT_NEAR(p.psi_rad - right[0].psi_rad, p.s_px / 25, 2e-3);
   }
   Curve line;

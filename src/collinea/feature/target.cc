@@ -297,6 +297,16 @@ double mean_direction(double a, double b) {  // of two lines' angles, modulo hal
   return a + std::remainder(b - a, pi) / 2;
 }
 
+// Where the chords between opposite ones of four points of a ring meet; the middle of the ring where they do not.
+Vector2d meeting_point(const Vector2d& at, double radius_px, const std::array<double, 4>& angles) {
+  std::array<Vector2d, 4> p;
+  for (std::size_t k = 0; k < 4; ++k) p[k] = at + radius_px * Vector2d(std::cos(angles[k]), std::sin(angles[k]));
+  Matrix2d along;
+  along << p[2] - p[0], p[1] - p[3];
+  if (!(std::abs(along.determinant()) > 0.1 * radius_px * radius_px)) return at;
+  return p[0] + along.inverse().row(0).dot(p[1] - p[0]) * (p[2] - p[0]);
+}
+
 std::optional<VectorXd> chequerboard_start(const FloatImage& image, const Vector2d& at, double radius_px) {
   const Ring ring = crossings_of(image, at, radius_px);
   const auto& c = ring.crossings;
@@ -310,6 +320,7 @@ std::optional<VectorXd> chequerboard_start(const FloatImage& image, const Vector
   unit[kContrast] = 1;
   unit[kGround] = 0;
   const double shape = target_grey(TargetKind::kChequerboard, unit, at + radius_px * field);
+  u.head<2>() = meeting_point(at, radius_px, {c[0].angle_rad, c[1].angle_rad, c[2].angle_rad, c[3].angle_rad});
   u[kContrast] = std::copysign((ring.high - ring.low) / 2, shape * c[0].sense);
   return u;
 }
@@ -331,6 +342,7 @@ std::optional<VectorXd> cross_start(const FloatImage& image, const Vector2d& at,
   }
   VectorXd u = start_of(TargetKind::kCross, at, is_bright ? ring.low : ring.high,
                         is_bright ? ring.high - ring.low : ring.low - ring.high);
+  u.head<2>() = meeting_point(at, radius_px, angle);
   for (int i = 0; i < 2; ++i) {
     u[kFirst + i] = mean_direction(angle[std::size_t(i)], angle[std::size_t(i + 2)]);
     u[kFirst + 2 + i] = std::max(0.4, (width[std::size_t(i)] + width[std::size_t(i + 2)]) / 2);
@@ -388,19 +400,34 @@ double Target::sigma_px() const {
   return std::sqrt(Eigen::SelfAdjointEigenSolver<Matrix2d>(covariance).eigenvalues()[1]);
 }
 
+namespace {
+
+// The start about a position, which follows the centre that the ring shows.
+std::optional<VectorXd> centred_start(const FloatImage& image, TargetKind kind, const Vector2d& near_px, int radius_px,
+                                      double ring_px) {
+  std::optional<VectorXd> start;
+  Vector2d centre = near_px;
+  for (int pass = 0; pass < 3; ++pass) {
+    if (!lies_in(image, window_about(centre, radius_px))) return std::nullopt;
+    start = kind == TargetKind::kCircle  ? circle_start(image, centre, radius_px)
+            : kind == TargetKind::kCross ? cross_start(image, centre, ring_px)
+                                         : chequerboard_start(image, centre, ring_px);
+    if (!start || (start->head<2>() - near_px).norm() > radius_px / 2.0) return std::nullopt;
+    centre = start->head<2>();
+  }
+  return start;
+}
+
+}  // namespace
+
 std::optional<Target> measure_target(const FloatImage& image, TargetKind kind, const Vector2d& near_px, int radius_px) {
   if (radius_px < 4 || !near_px.allFinite() || !(near_px.cwiseAbs().maxCoeff() < 1e6)) return std::nullopt;
-  if (!lies_in(image, window_about(near_px, radius_px))) return std::nullopt;
-  std::optional<Target> best;
   for (const double part : {0.75, 0.5}) {  // of the window, where the ring runs
-    const auto start = kind == TargetKind::kCircle  ? circle_start(image, near_px, radius_px)
-                       : kind == TargetKind::kCross ? cross_start(image, near_px, part * radius_px)
-                                                    : chequerboard_start(image, near_px, part * radius_px);
-    if (!start) continue;
-    best = adjusted(image, window_about(near_px, radius_px), kind, *start);
-    if (best) break;
+    const auto start = centred_start(image, kind, near_px, radius_px, part * radius_px);
+    if (!start || !lies_in(image, window_about(start->head<2>(), radius_px))) continue;
+    if (auto target = adjusted(image, window_about(start->head<2>(), radius_px), kind, *start)) return target;
   }
-  return best;
+  return std::nullopt;
 }
 
 std::optional<Target> measure_circle(const FloatImage& image, const Ellipse& start) {

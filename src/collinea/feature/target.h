@@ -49,7 +49,7 @@ struct Target {
 /// Measures the target whose centre is near a position, within a square window of 2 radius + 1 pixels. `radius_px`: of
 /// the window; a circle must lie in it with some pixels to spare. Covariance: from the residuals, whose correlations up
 /// to two pixels are estimated and propagated where they are significant (3 sigmas). Nothing: a window beyond the
-/// image, no contrast (below 5 sigmas of the residuals), a centre that leaves the middle half of the window, a shape
+/// image, no contrast (below 5 sigmas of the residuals), a centre farther off than half the radius, a shape
 /// that the window does not determine, an iteration that does not end.
 [[nodiscard]] std::optional<Target> measure_target(const FloatImage& image, TargetKind kind,
                                                    const Eigen::Vector2d& near_px, int radius_px);
