@@ -41,7 +41,7 @@ FloatImage interest_of(const FloatImage& image, TargetKind kind, int radius_px) 
       yy.at(x, y) = gy * gy;
     }
   if (kind == TargetKind::kChequerboard) return out;
-  const double window = radius_px / 3.0;
+  const double window = radius_px / 2.0;
   xx = smoothed(xx, window);
   xy = smoothed(xy, window);
   yy = smoothed(yy, window);

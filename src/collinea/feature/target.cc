@@ -18,7 +18,7 @@ using Eigen::VectorXd;
 constexpr int kX = 0, kY = 1, kBlur = 2, kGround = 3, kSlopeX = 4, kSlopeY = 5, kContrast = 6, kFirst = 7;
 constexpr int kIterations = 60;
 constexpr double kLeastBlurPx = 0.2, kLargestBlurPx = 4;
-constexpr double kContrastSigmas = 5;
+constexpr double kContrastSigmas = 5, kLeastContrast = 0.5;  // [grey]
 
 int count_of(TargetKind kind) { return kind == TargetKind::kCircle ? 10 : kind == TargetKind::kCross ? 11 : 9; }
 
@@ -240,7 +240,7 @@ std::optional<Target> adjusted(const FloatImage& image, const Window& window, Ta
       out.cofactors.topLeftCorner(n, n) = spread;
   }
   out.covariance = out.cofactors.topLeftCorner<2, 2>();
-  if (!(std::abs(out.contrast()) > kContrastSigmas * out.sigma_grey)) return std::nullopt;
+  if (!(std::abs(out.contrast()) > std::max(kLeastContrast / 2, kContrastSigmas * out.sigma_grey))) return std::nullopt;
   return out;
 }
 
@@ -310,7 +310,7 @@ Vector2d meeting_point(const Vector2d& at, double radius_px, const std::array<do
 std::optional<VectorXd> chequerboard_start(const FloatImage& image, const Vector2d& at, double radius_px) {
   const Ring ring = crossings_of(image, at, radius_px);
   const auto& c = ring.crossings;
-  if (c.size() != 4) return std::nullopt;
+  if (c.size() != 4 || ring.high - ring.low < kLeastContrast) return std::nullopt;
   VectorXd u = start_of(TargetKind::kChequerboard, at, (ring.low + ring.high) / 2, 0);
   u[kFirst] = mean_direction(c[0].angle_rad, c[2].angle_rad);
   u[kFirst + 1] = mean_direction(c[1].angle_rad, c[3].angle_rad);
@@ -327,7 +327,7 @@ std::optional<VectorXd> chequerboard_start(const FloatImage& image, const Vector
 
 std::optional<VectorXd> cross_start(const FloatImage& image, const Vector2d& at, double radius_px) {
   const Ring ring = crossings_of(image, at, radius_px);
-  if (ring.crossings.size() != 8) return std::nullopt;
+  if (ring.crossings.size() != 8 || ring.high - ring.low < kLeastContrast) return std::nullopt;
   const double middle = (ring.low + ring.high) / 2;
   const bool is_bright = bilinear(image, at.x(), at.y()) > middle;
   // The four bars begin with a crossing into their grey value.
