@@ -27,7 +27,7 @@ GreyImage discs() {
   return image;
 }
 
-class FindEdges : public testing::Test {
+class FindEdges : public ::testing::Test {
  protected:
   void SetUp() override { ASSERT_TRUE(write_png(folder_ / "discs.png", discs())); }
   [[nodiscard]] Result<EdgesReport> find(const FindEdgesOptions& options) const {
@@ -44,7 +44,9 @@ TEST_F(FindEdges, TablesVectorsAndImagesOfWhatIsFound) {
     const auto report = find(options);
     ASSERT_TRUE(report) << report.error().message;
     EXPECT_EQ(report->chains, 2u);
-    if (entry.value != EdgeFind::kLines) EXPECT_EQ(report->found.rows.size(), 2u) << entry.word;
+    if (entry.value != EdgeFind::kLines) {
+      EXPECT_EQ(report->found.rows.size(), 2u) << entry.word;
+    }
     for (const auto& file : report->files) EXPECT_TRUE(is_there(file)) << file;
     EXPECT_NE(edges_text(*report).find(entry.word), std::string::npos);
     const auto table = read_text_table(folder_ / "out/found.txt");
