@@ -34,6 +34,7 @@ Command resection_command();
 Command intersection_command();
 Command absolute_command();
 Command rotation_command();
+Command edges_command();
 Command verify_command();
 Command evaluate_command();
 Command grid_command();
@@ -80,6 +81,7 @@ struct CommandGroup {
            intersection_command(),
            absolute_command(),
            rotation_command(),
+           edges_command(),
            rectify_command(),
            volume_command(),
            profile_command(),

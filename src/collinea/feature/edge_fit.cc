@@ -20,6 +20,7 @@ using Eigen::VectorXd;
 
 constexpr double kScaleLevel = 0.001;
 constexpr int kIterations = 30;
+constexpr double kGapPx = 3;  // between neighbours on a curve that is covered
 
 // A' P C P A, and the sum of squared correlations.
 struct Spread {
@@ -96,6 +97,21 @@ std::optional<EdgeStep> adjust_edge_points(std::span<const EdgePoint> points, do
   return out;
 }
 
+double covered_arc(std::span<const EdgePoint> points, const std::vector<double>& angles_rad) {
+  std::vector<std::size_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto angle = [&](std::size_t i) { return std::remainder(angles_rad[i], 2 * std::numbers::pi); };
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return angle(a) < angle(b); });
+  double covered = 2 * std::numbers::pi;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const std::size_t a = order[k], b = order[(k + 1) % order.size()];
+    double gap = angle(b) - angle(a);
+    if (k + 1 == order.size()) gap += 2 * std::numbers::pi;
+    if ((points[b].at - points[a].at).norm() > kGapPx || order.size() == 1) covered -= gap;
+  }
+  return std::max(0.0, covered);
+}
+
 std::optional<EdgeLine> fit_line(std::span<const EdgePoint> points, double along_px) {
   if (points.size() < 2) return std::nullopt;
   Vector2d middle = Vector2d::Zero(), brighter = Vector2d::Zero();
@@ -165,13 +181,9 @@ std::optional<EdgeCircle> algebraic_circle(std::span<const EdgePoint> points) {
 }
 
 double arc_of(std::span<const EdgePoint> points, const Vector2d& centre) {
-  constexpr int kSectors = 72;
-  std::array<bool, kSectors> seen{};
-  for (const EdgePoint& p : points) {
-    const double angle = std::atan2(p.at.y() - centre.y(), p.at.x() - centre.x()) / (2 * std::numbers::pi) + 0.5;
-    seen[std::size_t(std::min(kSectors - 1, int(angle * kSectors)))] = true;
-  }
-  return 2 * std::numbers::pi * double(std::count(seen.begin(), seen.end(), true)) / kSectors;
+  std::vector<double> angles;
+  for (const EdgePoint& p : points) angles.push_back(std::atan2(p.at.y() - centre.y(), p.at.x() - centre.x()));
+  return covered_arc(points, angles);
 }
 
 }  // namespace

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <optional>
 #include <span>
+#include <vector>
 
-#include "collinea/feature/edges.h"
+#include "collinea/feature/edge_map.h"
 
 // Curves through points of edges by least squares. Each point measures across its edge; the weight is 1 / sigma^2.
 // Neighbouring points have noise in common (EdgeMap::along_px), therefore
@@ -33,6 +35,10 @@ struct EdgeStep {
 [[nodiscard]] std::optional<EdgeStep> adjust_edge_points(std::span<const EdgePoint> points, double along_px,
                                                          const Eigen::MatrixXd& design,
                                                          const Eigen::VectorXd& misclosure);
+
+/// How much of a closed curve has points [rad], given where each lies on it as an angle: 2 pi less the gaps of more
+/// than 3 px between neighbours.
+[[nodiscard]] double covered_arc(std::span<const EdgePoint> points, const std::vector<double>& angles_rad);
 
 /// The straight line x cos(theta) + y sin(theta) = r.
 struct EdgeLine {

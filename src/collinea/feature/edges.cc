@@ -294,6 +294,18 @@ void add_maps(const FloatImage& image, const Fields& fields, EdgeOperator of, do
 
 }  // namespace
 
+FloatImage smoothed(const FloatImage& image, double sigma_px) {
+  if (!(sigma_px > 0.05)) return image;
+  const std::vector<double> g = gaussian_kernel(sigma_px, 0);
+  return separable(image, g, g);
+}
+
+FloatImage as_float(const GreyImage& image) {
+  FloatImage out(image.width, image.height);
+  std::copy(image.data.begin(), image.data.end(), out.data.begin());
+  return out;
+}
+
 double noise_of(const FloatImage& image) {
   std::vector<float> left;
   const std::size_t stride = 1 + image.data.size() / 2'000'000;

@@ -81,7 +81,7 @@ TEST_P(EveryOperator, ItsSigmasAreTheErrors) {
   EXPECT_NEAR(within / count, 0.95, 0.025);
 }
 
-// Smoothing moves a curved edge: a Laplacian of sigma s by s^2 / 2R outwards, maxima of the slope half as far inwards.
+// Smoothing by s moves an edge of radius R by s^2 / 2R: zeros of the Laplacian outwards, maxima of the slope inwards.
 TEST_P(EveryOperator, ADiscHasOneClosedEdge) {
   const EdgeMap map = detect_edges(render_shape(50, 50, disc({24.6, 25.3}, 14, 0.7)), {.edge_operator = GetParam()});
   ASSERT_EQ(map.chains.size(), 1u);

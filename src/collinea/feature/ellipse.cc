@@ -67,13 +67,9 @@ std::optional<Ellipse> algebraic_ellipse(std::span<const EdgePoint> points) {
 }
 
 double arc_of(std::span<const EdgePoint> points, const Ellipse& ellipse) {
-  constexpr int kSectors = 72;
-  std::array<bool, kSectors> seen{};
-  for (const EdgePoint& p : points) {
-    const double t = std::remainder(ellipse.foot_of(p.at), 2 * kHalfTurn) / (2 * kHalfTurn) + 0.5;
-    seen[std::size_t(std::clamp(int(t * kSectors), 0, kSectors - 1))] = true;
-  }
-  return 2 * kHalfTurn * double(std::count(seen.begin(), seen.end(), true)) / kSectors;
+  std::vector<double> angles;
+  for (const EdgePoint& p : points) angles.push_back(ellipse.foot_of(p.at));
+  return covered_arc(points, angles);
 }
 
 struct Equations {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/feature/hough.h"
 
+#include "collinea/feature/edges.h"
+
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>

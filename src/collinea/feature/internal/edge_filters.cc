@@ -125,18 +125,6 @@ FloatImage separable(const FloatImage& image, const std::vector<double>& across,
   return out;
 }
 
-FloatImage smoothed(const FloatImage& image, double sigma_px) {
-  if (!(sigma_px > 0.05)) return image;
-  const std::vector<double> g = gaussian_kernel(sigma_px, 0);
-  return separable(image, g, g);
-}
-
-FloatImage as_float(const GreyImage& image) {
-  FloatImage out(image.width, image.height);
-  std::copy(image.data.begin(), image.data.end(), out.data.begin());
-  return out;
-}
-
 GradientMasks gradient_masks(EdgeOperator of) {
   if (of == EdgeOperator::kRoberts)  // of the corner between the four pixels at the lower right
     return {{0, 0, 0, 0, -0.5, 0.5, 0, -0.5, 0.5}, {0, 0, 0, 0, -0.5, -0.5, 0, 0.5, 0.5}, 0.5};

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "collinea/feature/edges.h"
+#include "collinea/feature/edge_map.h"
 
 // The linear filters of edge operators, and what white noise becomes in them.
 namespace collinea {

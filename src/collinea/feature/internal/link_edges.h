@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
-#include "collinea/feature/edges.h"
+#include "collinea/feature/edge_map.h"
 
 namespace collinea {
 

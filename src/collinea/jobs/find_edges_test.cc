@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/jobs/find_edges.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "collinea/base/file.h"
+#include "collinea/base/test_folder.h"
+#include "collinea/raster/image_file.h"
+
+namespace collinea {
+namespace {
+
+using Eigen::Vector2d;
+
+// Two dark discs on bright ground.
+GreyImage discs() {
+  GreyImage image(120, 80);
+  for (int y = 0; y < 80; ++y)
+    for (int x = 0; x < 120; ++x) {
+      double inside = 0;
+      for (const Vector2d& c : {Vector2d(30.25, 40.5), Vector2d(85.75, 38.25)})
+        inside += 0.5 * std::erfc(((Vector2d(x + 0.5, y + 0.5) - c).norm() - 15) / 1.1);
+      image.at(x, y) = std::uint8_t(std::lround(200 - 150 * inside));
+    }
+  return image;
+}
+
+class FindEdges : public ::testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(write_png(folder_ / "discs.png", discs())); }
+  [[nodiscard]] Result<EdgesReport> find(const FindEdgesOptions& options) const {
+    return find_edges(folder_ / "discs.png", folder_ / "out", options, {});
+  }
+  TestFolder folder_;
+};
+
+TEST_F(FindEdges, TablesVectorsAndImagesOfWhatIsFound) {
+  for (const auto& entry : kEdgeFindWords) {
+    if (entry.value == EdgeFind::kShapes) continue;
+    FindEdgesOptions options;
+    options.find = entry.value;
+    const auto report = find(options);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_EQ(report->chains, 2u);
+    if (entry.value != EdgeFind::kLines) {
+      EXPECT_EQ(report->found.rows.size(), 2u) << entry.word;
+    }
+    for (const auto& file : report->files) EXPECT_TRUE(is_there(file)) << file;
+    EXPECT_NE(edges_text(*report).find(entry.word), std::string::npos);
+    const auto table = read_text_table(folder_ / "out/found.txt");
+    ASSERT_TRUE(table) << table.error().message;
+    EXPECT_EQ(table->rows.size(), report->found.rows.size());
+  }
+}
+
+TEST_F(FindEdges, CentresOfTargetsAtGivenPoints) {
+  ASSERT_TRUE(write_file(folder_ / "points.txt", "point x[px] y[px]\nA 31 40\nB 85 39\nC 60 60\n"));
+  FindEdgesOptions options;
+  options.find = EdgeFind::kTargets;
+  options.points = folder_ / "points.txt";
+  options.target_radius_px = 20;
+  const auto report = find(options);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->not_measured, 1u);
+  const auto x = report->found.numbers("x", "px"), y = report->found.numbers("y", "px");
+  ASSERT_TRUE(x && y && x->size() == 2);
+  EXPECT_EQ(report->found.words("point").value(), (std::vector<std::string>{"A", "B"}));
+  EXPECT_LT((Vector2d((*x)[0], (*y)[0]) - Vector2d(30.25, 40.5)).norm(), 0.01);
+  EXPECT_LT((Vector2d((*x)[1], (*y)[1]) - Vector2d(85.75, 38.25)).norm(), 0.01);
+}
+
+TEST_F(FindEdges, AShapeIsFoundTwice) {
+  GreyImage shape(50, 50);
+  const GreyImage all = discs();
+  for (int y = 0; y < 50; ++y)
+    for (int x = 0; x < 50; ++x) shape.at(x, y) = all.at(x + 5, y + 15);
+  ASSERT_TRUE(write_png(folder_ / "shape.png", shape));
+  FindEdgesOptions options;
+  options.find = EdgeFind::kShapes;
+  options.shape = folder_ / "shape.png";
+  const auto report = find(options);
+  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_EQ(report->found.rows.size(), 2u);
+  const double shift = std::abs((*report->found.numbers("x", "px"))[0] - (*report->found.numbers("x", "px"))[1]);
+  EXPECT_NEAR(shift, 55.5, 0.05);
+}
+
+TEST_F(FindEdges, WhatIsWrongIsRefused) {
+  EXPECT_FALSE(find_edges(folder_ / "nothing.png", folder_ / "out", {}, {}));
+  FindEdgesOptions even;
+  even.texture_window = 8;
+  EXPECT_FALSE(find(even));
+  FindEdgesOptions radii;
+  radii.hough.smallest_radius_px = 50;
+  radii.hough.largest_radius_px = 20;
+  EXPECT_FALSE(find(radii));
+  FindEdgesOptions no_shape;
+  no_shape.find = EdgeFind::kShapes;
+  EXPECT_FALSE(find(no_shape));
+  ASSERT_TRUE(write_file(folder_ / "points.txt", "point x[px]\nA 31\n"));
+  FindEdgesOptions points;
+  points.find = EdgeFind::kTargets;
+  points.points = folder_ / "points.txt";
+  const auto refused = find(points);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("points.txt"), std::string::npos);
+}
+
+TEST_F(FindEdges, TextureIsWrittenWhereItIsAskedFor) {
+  FindEdgesOptions options;
+  options.texture = true;
+  ASSERT_TRUE(find(options));
+  EXPECT_TRUE(is_there(folder_ / "out/entropy_mask.png"));
+}
+
+}  // namespace
+}  // namespace collinea
