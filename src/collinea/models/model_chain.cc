@@ -172,7 +172,8 @@ struct Ground {
                                                ground_from_part * part_from_model.translation};
     Means means;
     for (const auto& [m, unused] : part.part_from_model) means.add(models[m], *chain.ground_from_model[m]);
-    for (const auto& [name, position] : means.all()) known[name] = ControlPair{Vector3d::Zero(), position, {true, true, true}};
+    for (const auto& [name, position] : means.all())
+      known[name] = ControlPair{Vector3d::Zero(), position, {true, true, true}};
   }
 };
 
