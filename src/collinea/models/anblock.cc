@@ -48,6 +48,7 @@ class Cycles {
   Result<Anblock> run() {
     Anblock out;
     out.models.resize(given_.size());
+    COLLINEA_TRY(check_control());
     PairEquations plan(4, count(), equations(true)), height(3, count(), equations(false));
     for (;; is_first_ = false) {
       if (run_.stopped()) return fail(Errc::kCancelled, "stopped");
@@ -59,7 +60,9 @@ class Cycles {
       if (static_cast<int>(out.cycles.size()) == options_.most_cycles)
         return fail(
             Errc::kNotConverged,
-            fmt::format("plan and height have not settled in {} cycles: are the models level?", options_.most_cycles));
+            fmt::format(
+                "plan and height have not settled in {} cycles: are the models level, and three heights not on a line?",
+                options_.most_cycles));
     }
     state_precision(plan, true, factor(out.cycles.back().plan_sigma0), out);
     state_precision(height, false, factor(out.cycles.back().height_sigma0), out);
@@ -74,6 +77,19 @@ class Cycles {
     Vector3d t = Vector3d::Zero();  // of the centroid
     [[nodiscard]] double scale() const { return std::hypot(a, b); }
   };
+
+  [[nodiscard]] Result<> check_control() const {
+    int plan = 0, heights = 0;
+    for (const auto& [name, point] : surveyed_) {
+      if (!times_.contains(name)) continue;
+      plan += point->has_plan() ? 1 : 0;
+      heights += point->has(2) ? 1 : 0;
+    }
+    if (plan >= 2 && heights >= 3) return {};
+    return fail(Errc::kIllPosed, fmt::format("the models show control with {} points in plan and {} heights; Anblock "
+                                             "needs two in plan and three heights that are not on a line",
+                                             plan, heights));
+  }
 
   // Points far above or below the others, as projection centres are.
   void find_high() {

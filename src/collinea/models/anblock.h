@@ -27,7 +27,8 @@ struct AnblockCycle {
 
 struct AnblockModel {
   Similarity3 ground_from_model;
-  /// Standard deviations of the position of its centroid (X, Y, Z), of omega, phi, kappa [rad] and of the scale.
+  /// As if plan and height had nothing to do with each other: standard deviations of the position of its centroid (X,
+  /// Y, Z), of omega, phi, kappa [rad] and of the scale.
   Eigen::Matrix<double, 7, 1> sigma = Eigen::Matrix<double, 7, 1>::Zero();
 };
 
@@ -57,6 +58,11 @@ struct Anblock {
 /// F_h. In more than two models each of the k(k - 1)/2 pairs has the weight p_j p_h / sum p, with which the elimination
 /// is exact (the text's is for two); weighted control is one more such model without unknowns, fixed control equates
 /// each model to it.
+///
+/// Points far above the others (projection centres: by more than half the model's extent) have no part in the plan of a
+/// cycle, where a tilt would show a hundred times; all their three coordinates take part in its height,
+/// dX = phi w / lambda and dY = -omega w / lambda (Ackermann 1973). With them it takes some ten cycles, without the
+/// three or four of the text.
 ///
 /// Weights: 1 / variance of each model coordinate, u and v alike; correlations are not used. The scale that brings
 /// them to the ground is that of the last cycle.

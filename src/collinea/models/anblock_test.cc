@@ -15,7 +15,6 @@ using Eigen::Vector3d;
 using testing::test_models;
 using testing::TestModels;
 
-// Centres reach high above the ground: w is not small beside u and v, which the text's Anblock asks for.
 TestModels level_models(double sigma, std::uint64_t seed = 1, double control_sigma_m = 0) {
   return test_models({.sigma = sigma, .control_sigma_m = control_sigma_m, .level = true, .seed = seed});
 }
@@ -31,13 +30,11 @@ TEST(Anblock, ExactModelsGiveTheTruthAfterAFewCycles) {
   ASSERT_TRUE(block) << block.error().message;
   for (const auto& [name, point] : block->points)
     EXPECT_LT((point.position - made.truth.at(name)).norm(), 1e-3) << name;
-  for (auto& c : block->cycles) printf("%g %g %g\n", c.plan_sigma0, c.height_sigma0, c.largest_move);
-  {
-    TestModels m2 = test_models({.level = true, .centres = false});
-    auto b = joined(m2);
-    for (auto& c : b->cycles) printf("%g %g %g\n", c.plan_sigma0, c.height_sigma0, c.largest_move);
-  }
-  EXPECT_LT(block->cycles[3].largest_move, 0.5);  // m, of 1000 m of height and tilts of 0.03
+  EXPECT_LE(block->cycles.size(), 12);  // centres tie tilts to the plan: a third remains of each cycle's move
+  const auto without = joined(test_models({.level = true, .centres = false}), {.settled = 1e-6});
+  ASSERT_TRUE(without);
+  ASSERT_GE(without->cycles.size(), 4);
+  EXPECT_LT(without->cycles[3].largest_move, 0.01);  // m, of 1200 m and tilts of 0.03
   for (std::size_t m = 0; m < made.models.size(); ++m)
     EXPECT_LT(angle_between(block->models[m]->ground_from_model.rotation, made.ground_from_model[m].rotation), 1e-6);
 }
@@ -66,8 +63,7 @@ TEST(Anblock, AgreesWithTheSpatialAdjustmentWithinItsSigmas) {
   }
 }
 
-// Centres tie tilts to the plan, which cycles of plan and height do not know of: without them both are the same thing
-// for level models, and the standard deviations hold.
+// Without projection centres plan and height of flat models have nothing to do with each other.
 TEST(Anblock, StandardDeviationsTellTheTruthOfFlatModels) {
   const int seeds = 300;
   double sum = 0, within = 0, squares = 0;
@@ -112,12 +108,9 @@ TEST(Anblock, DegenerateBlocksAreNamed) {
   TestModels made = level_models(0.05);
   const auto control = made.control;
   made.control.clear();
-  EXPECT_NE(joined(made).error().message.find("position in plan"), std::string::npos);
+  EXPECT_NE(joined(made).error().message.find("0 points in plan"), std::string::npos);
   made.control = {control[0], control[1]};
-  {
-    auto j = joined(made);
-    printf("%d %s\n", (int)j.has_value(), j ? "" : j.error().message.c_str());
-  }
+  EXPECT_NE(joined(made).error().message.find("2 heights"), std::string::npos);
   EXPECT_FALSE(anblock({}, {}, {}, {}, {}));
 }
 
