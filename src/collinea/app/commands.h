@@ -27,6 +27,7 @@ Command simulate_command();
 Command assess_command();
 Command stereo_command();
 Command rectify_command();
+Command relative_command();
 Command verify_command();
 
 /// Commands under one heading of the help.
@@ -61,6 +62,7 @@ struct CommandGroup {
        }},
       {"Single steps: one method, with its standard deviations",
        {
+           relative_command(),
            rectify_command(),
            volume_command(),
            profile_command(),

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/epipolar/pair_shape.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "collinea/epipolar/relative_orientation.h"
+#include "collinea/epipolar/scene_for_tests.h"
+
+namespace collinea {
+namespace {
+
+constexpr double kSigma = 1e-4;
+
+bool has(const PairShape& shape, PairWeakness weakness) {
+  return std::find(shape.weaknesses.begin(), shape.weaknesses.end(), weakness) != shape.weaknesses.end();
+}
+
+// Points of the world (base along x, z forward) as both images see them.
+std::vector<PairPoint> seen_by(const Rigid3& motion, const std::vector<Eigen::Vector3d>& world) {
+  std::vector<PairPoint> points;
+  for (const Eigen::Vector3d& x : world) points.push_back({x.hnormalized(), scene::seen(motion, x), kSigma, kSigma});
+  return points;
+}
+
+PairShape shape_of(const Rigid3& motion, const std::vector<Eigen::Vector3d>& world) {
+  const auto points = seen_by(motion, world);
+  return *pair_shape(motion, points, normal_of(motion, points));
+}
+
+Rigid3 normal_case() { return {Eigen::Quaterniond::Identity(), {-1, 0, 0}}; }
+
+// A valley of radius r under a base on the rim of its circle, rough by +-roughness.
+std::vector<Eigen::Vector3d> valley(double r, double roughness, int count, Random& random) {
+  std::vector<Eigen::Vector3d> out;
+  for (int i = 0; i < count; ++i) {
+    const double angle = random.uniform(-1.2, 1.2), radius = r + (i % 2 == 0 ? roughness : -roughness);
+    out.emplace_back(random.uniform(-0.2, 1.2), radius * std::sin(angle), r + radius * std::cos(angle));
+  }
+  return out;
+}
+
+TEST(PairShape, NamesTheCriticalCylinder) {
+  Random random(1);
+  const PairShape shape = shape_of(normal_case(), valley(0.8, 0, 30, random));
+  EXPECT_TRUE(has(shape, PairWeakness::kCylinder));
+  EXPECT_LT(shape.epsilon, 1e-12);
+  EXPECT_NEAR(shape.cylinder->radius, 0.8, 1e-9);
+  EXPECT_LT(shape.cylinder->roughness, 1e-9);
+}
+
+TEST(PairShape, NamesANearCylinderAndMeasuresItsRoughness) {
+  Random random(2);
+  const PairShape shape = shape_of(normal_case(), valley(0.8, 0.03, 60, random));
+  EXPECT_TRUE(has(shape, PairWeakness::kNearCylinder));
+  EXPECT_FALSE(has(shape, PairWeakness::kCylinder));
+  EXPECT_NEAR(shape.cylinder->roughness, 0.03, 0.004);
+  EXPECT_GT(shape.inflation, 5);
+}
+
+// The same of a pair with turned images and an inclined base: the figure is one of the geometry.
+TEST(PairShape, FindsTheCylinderAlongAnyBase) {
+  Random random(3);
+  const Eigen::Quaterniond turn = rotation_by({0.2, -0.3, 0.9});
+  const Rigid3 first{turn, {0, 0, 0}}, second{rotation_by({0.1, 0.1, -0.5}) * turn, {0, 0, 0}};
+  const Rigid3 shifted = second * Rigid3{Eigen::Quaterniond::Identity(), {-1, 0, 0}};
+  std::vector<Eigen::Vector3d> in_first;
+  for (const Eigen::Vector3d& x : valley(0.8, 0, 30, random))
+    if (const Eigen::Vector3d p = first * x; p.z() > 0.2 && (shifted * x).z() > 0.2) in_first.push_back(p);
+  ASSERT_GT(in_first.size(), 10u);
+  const PairShape shape = shape_of(shifted * inverse(first), in_first);
+  EXPECT_TRUE(has(shape, PairWeakness::kCylinder));
+  EXPECT_NEAR(shape.cylinder->radius, 0.8, 1e-9);
+}
+
+TEST(PairShape, NamesPlanes) {
+  Random random(4);
+  std::vector<Eigen::Vector3d> flat, upright, high;
+  for (int i = 0; i < 30; ++i) {
+    const double x = random.uniform(0, 1), y = random.uniform(-1, 1);
+    flat.emplace_back(x, y, 1.5 + 0.1 * x + 0.1 * y);
+    upright.emplace_back(x, 0.3 * (1 + y / 2), 1.5 * (1 + y / 2));
+    high.emplace_back(x, y, random.uniform(1.2, 2));
+  }
+  EXPECT_TRUE(has(shape_of(normal_case(), flat), PairWeakness::kPlane));
+  EXPECT_TRUE(has(shape_of(normal_case(), upright), PairWeakness::kBasePlane));
+  EXPECT_TRUE(shape_of(normal_case(), high).weaknesses.empty());
+}
+
+TEST(PairShape, NamesANarrowBandAndAShortBase) {
+  Random random(5);
+  std::vector<Eigen::Vector3d> band, far;
+  for (int i = 0; i < 30; ++i) {
+    band.emplace_back(random.uniform(0, 1), random.uniform(-0.1, 0.1), random.uniform(1.8, 2.2));
+    far.emplace_back(random.uniform(-30, 30), random.uniform(-30, 30), random.uniform(50, 100));
+  }
+  EXPECT_TRUE(has(shape_of(normal_case(), band), PairWeakness::kNarrow));
+  EXPECT_TRUE(has(shape_of(normal_case(), far), PairWeakness::kShortBase));
+}
+
+// Points on a cylinder with the base leave no answer, whatever the start; the message says why.
+TEST(PairShape, AnOrientationOnTheCylinderIsRefusedByName) {
+  Random random(6);
+  const auto points = seen_by(normal_case(), valley(0.8, 0, 30, random));
+  RelativeOptions options;
+  options.start = PairStart::kNearVertical;
+  const auto found = relative_orientation(points, options, 1);
+  ASSERT_FALSE(found);
+  EXPECT_NE(found.error().message.find("cylinder"), std::string::npos) << found.error().message;
+}
+
+// Mussio D.8: R = 500, b = 600, six points (0, 0), (b, 0), (0, +-a), (b, +-a), a = 400: rank 4, the null vector of
+// (by, bz, omega, phi, kappa) is (-1000, 0, 1, 0, 0) in metres and radians, with the signs of the collinearity
+// equations (E31: 3.4.2 prints the other one).
+TEST(PairShape, SixPointsOnACylinderHaveThePublishedNullVector) {
+  const double b = 600, a = 400, r = 500, deep = 2 * r, at_side = r + std::sqrt(r * r - a * a);
+  std::vector<Eigen::Vector3d> world;
+  for (const double x : {0.0, b})
+    for (const double y : {-a, 0.0, a}) world.emplace_back(x / b, y / b, (y == 0 ? deep : at_side) / b);
+  const Rigid3 motion = normal_case();
+  const auto points = seen_by(motion, world);
+  const Matrix5 by = dependent_by_change(motion).inverse();
+  const Matrix5 normal = by.transpose() * normal_of(motion, points) * by;
+  const Eigen::SelfAdjointEigenSolver<Matrix5> solver(normal);
+  EXPECT_LT(solver.eigenvalues()(0), 1e-12 * solver.eigenvalues()(4));
+  EXPECT_GT(solver.eigenvalues()(1), 1e-6 * solver.eigenvalues()(4));
+  const Vector5 null = solver.eigenvectors().col(0) / solver.eigenvectors()(2, 0);
+  EXPECT_LT((null - (Vector5() << -1000 / b, 0, 1, 0, 0).finished()).norm(), 1e-9);
+}
+
+// The linear equation of y-parallaxes on those points, rough by +-delta in turn; Mussio D.8 prints the smallest
+// singular values.
+TEST(PairShape, RoughnessRaisesTheSmallestSingularValueAsPublished) {
+  const double b = 600, a = 400, r = 500;
+  const double published[][2] = {{5, 0.001437}, {25, 0.007079}, {50, 0.013931}, {100, 0.027231}};
+  for (const auto& [delta, value] : published) {
+    Eigen::Matrix<double, 6, 5> design;
+    const double xy[6][2] = {{0, 0}, {b, 0}, {0, a}, {b, -a}, {0, -a}, {b, a}};
+    for (int i = 0; i < 6; ++i) {
+      const double x = xy[i][0], y = xy[i][1];
+      const double h = r + std::sqrt(r * r - y * y) - (i % 2 == 0 ? delta : -delta);
+      design.row(i) << 1, y / h, h * (1 + y * y / (h * h)), (b - x) * y / h, -(b - x);
+    }
+    EXPECT_NEAR(Eigen::JacobiSVD<Eigen::MatrixXd>(design).singularValues()(4), value, 1e-6);
+  }
+}
+
+// The normal matrix of Mussio D.2 for n = 6, a = b = h = 1: the eigenvalues of its two minors, and the roughness at
+// which lambda_min / lambda_max = 0.1.
+TEST(PairShape, NormalMatrixOfTheSixCanonicalPositionsIsAsPublished) {
+  const double b = 1, a = 1, h = 1, xy[6][2] = {{0, 0}, {b, 0}, {0, a}, {b, -a}, {0, -a}, {b, a}};
+  Eigen::Matrix<double, 6, 4> design;  // psi1, k2, phi2, bz
+  for (int i = 0; i < 6; ++i) {
+    const double x = xy[i][0], y = xy[i][1];
+    design.row(i) << 2, -(b - x), (b - x) * y / h, y / h;
+  }
+  const Eigen::Matrix4d normal = design.transpose() * design;
+  EXPECT_LT((normal.topRightCorner<2, 2>().norm()), 1e-12);
+  const auto eigenvalues = [](const Eigen::Matrix2d& m) {
+    return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(m).eigenvalues();
+  };
+  EXPECT_LT((eigenvalues(normal.topLeftCorner<2, 2>()) - Eigen::Vector2d(1.4066133776, 25.5933866224)).norm(), 1e-9);
+  EXPECT_LT((eigenvalues(normal.bottomRightCorner<2, 2>()) - Eigen::Vector2d(0.7639320225, 5.2360679775)).norm(), 1e-9);
+  EXPECT_NEAR(std::sqrt(0.1 * 25.5933866224 / 6), 0.65311, 1e-5);
+}
+
+}  // namespace
+}  // namespace collinea

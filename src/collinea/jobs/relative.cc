@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/jobs/relative.h"
+
+#include <string>
+#include <vector>
+
+#include "collinea/base/file.h"
+#include "collinea/camera/camera.h"
+#include "collinea/io/text_table.h"
+
+namespace collinea {
+namespace {
+
+namespace fs = std::filesystem;
+
+Result<> read_points(const TextTable& table, const RelativePairOptions& options, RelativeReport& report) {
+  const std::string stated = table.unit_of("x_left");
+  const std::string unit = stated.empty() || stated == "px" ? "px" : "mm";
+  COLLINEA_TRY(report.frame, photo_frame(options.photo, unit));
+  COLLINEA_TRY(report.names, table.words("point"));
+  COLLINEA_TRY(const auto x1, table.numbers("x_left", unit));
+  COLLINEA_TRY(const auto y1, table.numbers("y_left", unit));
+  COLLINEA_TRY(const auto x2, table.numbers("x_right", unit));
+  COLLINEA_TRY(const auto y2, table.numbers("y_right", unit));
+  const bool all_given = table.has("sigma") || options.sigma.has_value();
+  const double usual = options.sigma.value_or(unit == "px" ? 0.5 : 0.005);
+  COLLINEA_TRY(const auto sigmas, table.numbers_or("sigma", unit, usual));
+  report.sigma_is_given = all_given;
+  report.sigma = table.has("sigma") ? 0 : usual;
+  const Camera& camera = report.frame.camera;
+  for (std::size_t i = 0; i < x1.size(); ++i) {
+    if (!(sigmas[i] > 0)) return fail(Errc::kBadInput, "point " + report.names[i] + ": its sigma is not above zero");
+    const double sigma = sigmas[i] / camera.focal_px();
+    report.points.push_back({normalized(camera, report.frame.pixel({x1[i], y1[i]})),
+                             normalized(camera, report.frame.pixel({x2[i], y2[i]})), sigma, sigma});
+  }
+  return {};
+}
+
+Result<> write_tables(const RelativeReport& report, const fs::path& folder) {
+  COLLINEA_TRY(write_file(folder / "parameters.txt", text_of(relative_parameter_table(report))));
+  COLLINEA_TRY(write_file(folder / "residuals.txt", text_of(relative_residual_table(report))));
+  COLLINEA_TRY(write_file(folder / "model.txt", text_of(relative_model_table(report))));
+  COLLINEA_TRY(write_file(folder / "exterior.txt", text_of(relative_exterior_table(report))));
+  return write_file(folder / "geometry.svg", pair_shape_svg(report));
+}
+
+}  // namespace
+
+Result<RelativeReport> orient_pair(const fs::path& measurements, const RelativePairOptions& options) {
+  const auto in_file = [&](Error e) { return std::move(e).within(measurements.string()); };
+  COLLINEA_TRY(const TextTable table, read_text_table(measurements));
+  RelativeReport report;
+  COLLINEA_TRY(read_points(table, options, report).map_error(in_file));
+  report.options = options.adjustment;
+  report.options.sigma_known = report.sigma_is_given && !options.estimate_sigma;
+  report.base_is_given = options.base_m.has_value();
+  report.base = options.base_m.value_or(1);
+  COLLINEA_TRY(report.orientation,
+               relative_orientation(report.points, report.options, options.seed).map_error(in_file));
+  std::vector<PairPoint> used;
+  for (std::size_t i = 0; i < report.points.size(); ++i)
+    if (report.orientation.residuals[i].used) used.push_back(report.points[i]);
+  report.shape = pair_shape(report.orientation.second_from_first, used, report.orientation.normal);
+  report.model = model_points(report.orientation, report.points, report.base, true);
+  if (options.out) COLLINEA_TRY(write_tables(report, *options.out));
+  return report;
+}
+
+}  // namespace collinea

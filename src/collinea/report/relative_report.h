@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "collinea/epipolar/model_points.h"
+#include "collinea/epipolar/pair_point.h"
+#include "collinea/epipolar/pair_shape.h"
+#include "collinea/epipolar/relative_orientation.h"
+#include "collinea/io/photo_frame.h"
+#include "collinea/io/text_table.h"
+
+namespace collinea {
+
+/// The relative orientation of a pair, as found from a table.
+struct RelativeReport {
+  PhotoFrame frame;
+  std::vector<std::string> names;
+  std::vector<PairPoint> points;
+  RelativeOptions options;
+  double sigma = 0;  ///< of a coordinate where the table gives none, in its unit
+  bool sigma_is_given = false;
+  double base = 1;
+  bool base_is_given = false;  ///< then it is in m
+  RelativeOrientation orientation;
+  std::optional<PairShape> shape;
+  PairModel model;  ///< x right, y up, z backwards
+};
+
+/// For a terminal: elements with standard deviations and correlations, residuals, tests, the geometry of the pair.
+[[nodiscard]] std::string relative_text(const RelativeReport& report);
+
+/// element value sigma unit, of the dependent and the symmetric form.
+[[nodiscard]] TextTable relative_parameter_table(const RelativeReport& report);
+/// point, four residuals, y-parallax, redundancy number, standardised residual, used or rejected.
+[[nodiscard]] TextTable relative_residual_table(const RelativeReport& report);
+/// point U V W with standard deviations, correlations and the length of the spatial parallax.
+[[nodiscard]] TextTable relative_model_table(const RelativeReport& report);
+/// image X Y Z omega phi kappa of both images in the model.
+[[nodiscard]] TextTable relative_exterior_table(const RelativeReport& report);
+/// The points seen along the base, with the cylinder on which they would leave the orientation undetermined: an SVG.
+[[nodiscard]] std::string pair_shape_svg(const RelativeReport& report);
+
+}  // namespace collinea
