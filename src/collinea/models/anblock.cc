@@ -35,9 +35,9 @@ class Cycles {
       if (used[m]) {
         models_.push_back(m);
         Vector3d centre = Vector3d::Zero();
-        for (const ModelPoint& point : models[m].points) centre += point.position / double(models[m].points.size());
+        for (const NamedPoint& point : models[m].points) centre += point.position / double(models[m].points.size());
         centres_.push_back(centre);
-        for (const ModelPoint& point : models[m].points) times_[point.name] += 1;
+        for (const NamedPoint& point : models[m].points) times_[point.name] += 1;
       }
     states_.resize(models_.size());
     find_high();
@@ -96,24 +96,24 @@ class Cycles {
     for (std::size_t k = 0; k < models_.size(); ++k) {
       std::vector<double> heights;
       double squares = 0;
-      for (const ModelPoint& point : given_[models_[k]].points) {
+      for (const NamedPoint& point : given_[models_[k]].points) {
         heights.push_back(point.position.z());
         squares += (point.position - centres_[k]).head<2>().squaredNorm();
       }
       const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
       const double extent = std::sqrt(squares / double(heights.size()));
       std::nth_element(heights.begin(), middle, heights.end());
-      for (const ModelPoint& point : given_[models_[k]].points)
+      for (const NamedPoint& point : given_[models_[k]].points)
         if (std::abs(point.position.z() - *middle) > kHigh * extent) high_.insert(point.name);
     }
   }
   [[nodiscard]] int count() const { return static_cast<int>(models_.size()); }
   [[nodiscard]] double factor(double sigma0) const { return options_.sigmas_known || !(sigma0 > 0) ? 1 : sigma0; }
-  [[nodiscard]] Vector3d turned(std::size_t k, const ModelPoint& point) const {
+  [[nodiscard]] Vector3d turned(std::size_t k, const NamedPoint& point) const {
     return states_[k].levelled * (point.position - centres_[k]);
   }
   // Standard deviations of u and v together and of w, of the levelled model.
-  [[nodiscard]] Eigen::Vector2d variances(std::size_t k, const ModelPoint& point) const {
+  [[nodiscard]] Eigen::Vector2d variances(std::size_t k, const NamedPoint& point) const {
     const Eigen::Matrix3d rotation = states_[k].levelled.toRotationMatrix();
     const Eigen::Matrix3d covariance = rotation * point.covariance * rotation.transpose();
     const double least = 1e-12 * (1 + covariance.trace());  // of a projection centre without any
@@ -130,7 +130,7 @@ class Cycles {
   std::vector<CoordinateEquations> equations(bool plan) {
     std::map<std::string, std::array<CoordinateEquations, 3>> of_point;
     for (std::size_t k = 0; k < models_.size(); ++k)
-      for (const ModelPoint& point : given_[models_[k]].points) {
+      for (const NamedPoint& point : given_[models_[k]].points) {
         if (times_.at(point.name) < 2 && !surveyed_.contains(point.name)) continue;
         const Vector3d u = turned(k, point);
         const State& state = states_[k];
@@ -223,7 +223,7 @@ class Cycles {
     std::map<std::string, std::pair<Vector3d, Vector3d>> sums;
     for (std::size_t k = 0; k < models_.size(); ++k) {
       const Similarity3 ground_from_model = orientation(k);
-      for (const ModelPoint& point : given_[models_[k]].points) {
+      for (const NamedPoint& point : given_[models_[k]].points) {
         const Eigen::Vector2d variance = variances(k, point) * std::pow(states_[k].scale(), 2);
         const Vector3d weight(1 / variance[0], 1 / variance[0], 1 / variance[1]);
         auto& [sum, weights] = sums.try_emplace(point.name, Vector3d::Zero(), Vector3d::Zero()).first->second;
@@ -256,7 +256,7 @@ class Cycles {
   [[nodiscard]] double median_sigma() const {
     std::vector<double> sigmas;
     for (std::size_t k = 0; k < models_.size(); ++k)
-      for (const ModelPoint& point : given_[models_[k]].points)
+      for (const NamedPoint& point : given_[models_[k]].points)
         sigmas.push_back(states_[k].scale() * std::sqrt(variances(k, point)[0]));
     std::nth_element(sigmas.begin(), sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2), sigmas.end());
     return sigmas[sigmas.size() / 2];
@@ -300,7 +300,7 @@ class Cycles {
   // Points that one model alone shows.
   void state_single_points(std::size_t k, bool plan, double sigma0, const Eigen::Matrix4d& q, Anblock& out) const {
     const State& state = states_[k];
-    for (const ModelPoint& point : given_[models_[k]].points) {
+    for (const NamedPoint& point : given_[models_[k]].points) {
       if (times_.at(point.name) > 1 || surveyed_.contains(point.name)) continue;
       const Vector3d u = turned(k, point);
       const Eigen::Vector2d variance = variances(k, point) * state.scale() * state.scale();
@@ -353,7 +353,7 @@ Result<Anblock> anblock(const std::vector<StereoModel>& models, const std::vecto
 StereoModel levelled(const StereoModel& model, const Eigen::Quaterniond& ground_from_model) {
   StereoModel turned = model;
   const Eigen::Matrix3d rotation = ground_from_model.toRotationMatrix();
-  for (ModelPoint& point : turned.points) {
+  for (NamedPoint& point : turned.points) {
     point.position = rotation * point.position;
     point.covariance = (rotation * point.covariance * rotation.transpose()).eval();
   }

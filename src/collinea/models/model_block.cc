@@ -47,7 +47,7 @@ class Joiner {
     for (std::size_t m = 0; m < models.size(); ++m) {
       if (!is_in(m)) continue;
       Vector3d centre = Vector3d::Zero();
-      for (const ModelPoint& point : models[m].points) centre += point.position / double(models[m].points.size());
+      for (const NamedPoint& point : models[m].points) centre += point.position / double(models[m].points.size());
       states_[m] = {inverse(*chain_.ground_from_model[m]), centre};
     }
     position_ = chain_.points;
@@ -88,7 +88,7 @@ class Joiner {
 
   [[nodiscard]] std::optional<LocalNormals> local(std::size_t m) const {
     std::vector<Vector3d> on_ground;
-    for (const ModelPoint& point : models_[m].points) on_ground.push_back(position_.at(point.name));
+    for (const NamedPoint& point : models_[m].points) on_ground.push_back(position_.at(point.name));
     return local_normals(models_[m], states_[m], on_ground, shared_.are_shared(m), is_held(m));
   }
   [[nodiscard]] Error no_covariance(std::size_t m) const {

@@ -169,7 +169,7 @@ TEST(ModelBlock, UnknownSigmasAreScaledBySigma0) {
   TestModels made = test_models({.sigma = 0.05, .control_sigma_m = 0.05, .level = true});
   const JoinedBlock truth = joined(made);
   for (StereoModel& model : made.models)
-    for (ModelPoint& point : model.points) point.covariance *= 4;
+    for (NamedPoint& point : model.points) point.covariance *= 4;
   for (SurveyedPoint& point : made.control) point.sigma *= 2;
   const JoinedBlock block = joined(made, {.sigmas_known = false});
   EXPECT_NEAR(block.sigma0, truth.sigma0 / 2, 1e-9);
@@ -241,7 +241,7 @@ TEST(ModelBlock, ModelsThatHangLooselyAreLeftOut) {
   };
   // Columns 4 and 5 of models 4 and 5 (points 1, 3, 5 are the right ones).
   for (StereoModel& model : made.models)
-    for (ModelPoint& point : model.points)
+    for (NamedPoint& point : model.points)
       if (model.name == "5" && point.name != "P5" && point.name != "P105") point.name += "x";
   rename(0, 0, "y");
   made.control.clear();
@@ -263,7 +263,7 @@ TEST(LocalNormals, DerivativesAreThoseOfTheFormula) {
   const StereoModel& model = made.models[1];
   ModelState state{inverse(made.ground_from_model[1]), {0.3, -0.2, 0.7}};
   std::vector<Vector3d> ground;
-  for (const ModelPoint& point : model.points) ground.push_back(made.truth.at(point.name));
+  for (const NamedPoint& point : model.points) ground.push_back(made.truth.at(point.name));
   std::vector<bool> shared(ground.size(), true);
   shared[2] = false;
   const auto at = local_normals(model, state, ground, shared, false);

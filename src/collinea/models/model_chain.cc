@@ -17,7 +17,7 @@ Result<> check(const std::vector<StereoModel>& models, const std::vector<Surveye
   if (models.empty()) return fail(Errc::kBadInput, "there is no model");
   for (const StereoModel& model : models) {
     std::set<std::string> names;
-    for (const ModelPoint& point : model.points) {
+    for (const NamedPoint& point : model.points) {
       if (!names.insert(point.name).second)
         return fail(Errc::kBadInput, fmt::format("model {}: point {} stands there twice", model.name, point.name));
       if (!point.position.allFinite() || !point.covariance.allFinite())
@@ -39,7 +39,7 @@ Result<> check(const std::vector<StereoModel>& models, const std::vector<Surveye
 class Means {
  public:
   void add(const StereoModel& model, const Similarity3& frame_from_model) {
-    for (const ModelPoint& point : model.points) {
+    for (const NamedPoint& point : model.points) {
       auto& [sum, count] = sums_[point.name];
       sum += frame_from_model * point.position;
       ++count;
@@ -72,7 +72,7 @@ struct Part {
 template <class Known>
 std::optional<Similarity3> joined(const StereoModel& model, const Known& known, int* shared) {
   std::vector<Vector3d> in_model, in_part;
-  for (const ModelPoint& point : model.points)
+  for (const NamedPoint& point : model.points)
     if (known.has(point.name)) {
       in_model.push_back(point.position);
       in_part.push_back(known.at(point.name));
@@ -86,7 +86,7 @@ class Concatenation {
   explicit Concatenation(const std::vector<StereoModel>& models) : models_(models), open_(models.size(), true) {
     std::map<std::string, std::vector<std::size_t>> seen;
     for (std::size_t m = 0; m < models.size(); ++m)
-      for (const ModelPoint& point : models[m].points) seen[point.name].push_back(m);
+      for (const NamedPoint& point : models[m].points) seen[point.name].push_back(m);
     links_.resize(models.size());
     for (const auto& [name, where] : seen)
       for (const std::size_t m : where)
@@ -180,7 +180,7 @@ struct Ground {
 LeftOutModel left_out(const std::vector<StereoModel>& models, std::size_t m, const Part& part, const Ground& ground) {
   if (part.part_from_model.size() > 1) return {m, LeftOutReason::kNoControl, 0};
   int shared = 0;
-  for (const ModelPoint& point : models[m].points) shared += ground.known.contains(point.name) ? 1 : 0;
+  for (const NamedPoint& point : models[m].points) shared += ground.known.contains(point.name) ? 1 : 0;
   return {m,
           shared == 0  ? LeftOutReason::kNoPoint
           : shared < 3 ? LeftOutReason::kTooFew

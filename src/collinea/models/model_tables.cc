@@ -51,8 +51,8 @@ Result<std::vector<Vector3d>> sigmas(const TextTable& table, const std::string& 
 double extent_of(const StereoModel& model) {
   Vector3d centre = Vector3d::Zero();
   double squares = 0;
-  for (const ModelPoint& point : model.points) centre += point.position / double(model.points.size());
-  for (const ModelPoint& point : model.points) squares += (point.position - centre).squaredNorm();
+  for (const NamedPoint& point : model.points) centre += point.position / double(model.points.size());
+  for (const NamedPoint& point : model.points) squares += (point.position - centre).squaredNorm();
   return std::sqrt(squares / double(model.points.size()));
 }
 
@@ -62,7 +62,7 @@ void guess(GivenModels& given, std::optional<double> sigma) {
   for (const StereoModel& model : given.models) extent += extent_of(model) / double(given.models.size());
   given.sigma = sigma.value_or(kShareOfExtent * (extent > 0 ? extent : 1));
   for (StereoModel& model : given.models)
-    for (ModelPoint& point : model.points) point.covariance = Matrix3d::Identity() * given.sigma * given.sigma;
+    for (NamedPoint& point : model.points) point.covariance = Matrix3d::Identity() * given.sigma * given.sigma;
 }
 
 // Index of a point in a model; an error names both.

@@ -10,7 +10,7 @@ namespace collinea {
 
 /// A point of a model, in the model's own right-handed frame (u, v, w; any unit). The projection centres of its two
 /// images are points like others; they have the same name in the neighbouring models.
-struct ModelPoint {
+struct NamedPoint {
   std::string name;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< may be zero where the frame was chosen so
@@ -19,9 +19,9 @@ struct ModelPoint {
 /// A photogrammetric model: the shape of what two images show, after their relative orientation, up to a similarity.
 struct StereoModel {
   std::string name;
-  std::vector<ModelPoint> points;  ///< each name once
+  std::vector<NamedPoint> points;  ///< each name once
   /// Of all coordinates (three rows a point, in their order), where they are correlated between points; empty: they are
-  /// not, and ModelPoint::covariance says all.
+  /// not, and NamedPoint::covariance says all.
   Eigen::MatrixXd covariance;
 
   [[nodiscard]] Eigen::MatrixXd full_covariance() const {

@@ -32,7 +32,7 @@ SharedPoints::SharedPoints(const std::vector<StereoModel>& models, const std::ve
   std::map<std::string, int> times;
   for (std::size_t m = 0; m < models.size(); ++m)
     if (chain.ground_from_model[m])
-      for (const ModelPoint& point : models[m].points) ++times[point.name];
+      for (const NamedPoint& point : models[m].points) ++times[point.name];
   for (const SurveyedPoint& point : control)
     if (!point.is_check && times.contains(point.name)) ++times[point.name];
   std::vector<Eigen::Vector3d> positions;
@@ -46,7 +46,7 @@ SharedPoints::SharedPoints(const std::vector<StereoModel>& models, const std::ve
     for (std::size_t m = 0; m < models.size(); ++m) {
       numbers_[m].clear();
       if (chain.ground_from_model[m])
-        for (const ModelPoint& point : models[m].points) numbers_[m].push_back(number(point.name));
+        for (const NamedPoint& point : models[m].points) numbers_[m].push_back(number(point.name));
     }
   };
   look_up();
