@@ -28,6 +28,7 @@ Command assess_command();
 Command stereo_command();
 Command rectify_command();
 Command relative_command();
+Command models_command();
 Command verify_command();
 
 /// Commands under one heading of the help.
@@ -63,6 +64,7 @@ struct CommandGroup {
       {"Single steps: one method, with its standard deviations",
        {
            relative_command(),
+           models_command(),
            rectify_command(),
            volume_command(),
            profile_command(),
