@@ -7,12 +7,12 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 
 #include "collinea/geometry/rotation.h"
 #include "collinea/math/fisher.h"
 #include "collinea/math/quantiles.h"
-#include "collinea/models/internal/local_normals.h"
-#include "collinea/models/internal/shared_points.h"
+#include "collinea/models/internal/block_normals.h"
 
 namespace collinea {
 namespace {
@@ -23,215 +23,52 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kLeastPivot = 1e-12;      // of the reduced normals, relative to their diagonal
 constexpr double kLeastRedundancy = 1e-6;  // below it nothing checks a coordinate
-constexpr double kSettled = 1e-10;         // of the weighted squares that a step still takes
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-std::string axis_of(int row) { return row % 3 == 0 ? "X" : row % 3 == 1 ? "Y" : "Z"; }
-
-class Joiner {
+// What follows from the solution of a block: covariances and tests.
+class Examination {
  public:
-  Joiner(const std::vector<StereoModel>& models, const std::vector<SurveyedPoint>& control, const JoinOptions& options,
-         ModelChain chain, const Run& run)
-      : models_(models),
-        control_(control),
-        options_(options),
-        run_(run),
-        chain_(std::move(chain)),
-        shared_(models, control, chain_),
-        states_(models.size()),
-        is_fixed_(static_cast<std::size_t>(3 * shared_.count()), false),
-        matrix_(3 * shared_.count(), shared_.pattern()),
-        factor_(3 * shared_.count(), shared_.pattern()) {
-    for (std::size_t m = 0; m < models.size(); ++m) {
-      if (!is_in(m)) continue;
-      Vector3d centre = Vector3d::Zero();
-      for (const NamedPoint& point : models[m].points) centre += point.position / double(models[m].points.size());
-      states_[m] = {inverse(*chain_.ground_from_model[m]), centre};
-    }
-    position_ = chain_.points;
-    for (const SurveyedPoint& point : control_)
-      if (const int number = number_of(point); number >= 0)
-        for (int axis = 0; axis < 3; ++axis)
-          if (point.sigma[axis] == 0) {
-            is_fixed_[static_cast<std::size_t>(3 * number + axis)] = true;
-            position_.at(point.name)[axis] = point.position[axis];
-          }
-  }
+  Examination(const std::vector<StereoModel>& models, const std::vector<SurveyedPoint>& control,
+              const JoinOptions& options, BlockNormals& normals)
+      : models_(models), control_(control), options_(options), normals_(normals) {}
 
-  Result<JoinedBlock> join() {
+  Result<JoinedBlock> examine() {
     JoinedBlock block;
-    COLLINEA_TRY(block.steps, settle());
-    COLLINEA_TRY(build());
-    COLLINEA_TRY(factorise());
-    factor_.invert(run_);
-    if (run_.stopped()) return fail(Errc::kCancelled, "stopped");
     count(block);
     block.models.resize(models_.size());
     for (std::size_t m = 0; m < models_.size(); ++m)
-      if (is_in(m)) COLLINEA_TRY(examine_model(m, block));
+      if (normals_.is_in(m)) COLLINEA_TRY(examine_model(m, block));
     examine_control(block);
     judge(block);
     for (auto& [name, point] : points_) block.points.push_back(std::move(point));
-    block.chain = std::move(chain_);
+    block.chain = normals_.chain();
     return block;
   }
 
  private:
-  [[nodiscard]] bool is_in(std::size_t m) const { return chain_.ground_from_model[m].has_value(); }
-  [[nodiscard]] bool is_held(std::size_t m) const { return !chain_.on_ground && m == chain_.reference; }
-  // Of control that takes part; -1: of other points.
-  [[nodiscard]] int number_of(const SurveyedPoint& point) const {
-    return point.is_check || !chain_.points.contains(point.name) ? -1 : shared_.number(point.name);
-  }
-
-  [[nodiscard]] std::optional<LocalNormals> local(std::size_t m) const {
-    std::vector<Vector3d> on_ground;
-    for (const NamedPoint& point : models_[m].points) on_ground.push_back(position_.at(point.name));
-    return local_normals(models_[m], states_[m], on_ground, shared_.are_shared(m), is_held(m));
-  }
-  [[nodiscard]] Error no_covariance(std::size_t m) const {
-    return {Errc::kIllPosed,
-            fmt::format("model {}: its points, or their covariance, do not determine it", models_[m].name)};
-  }
-  // Rows of the shared points of a model, in the order of its columns.
-  [[nodiscard]] std::vector<int> rows_of(std::size_t m) const {
-    std::vector<int> rows;
-    for (const int number : shared_.numbers(m))
-      for (int axis = 0; number >= 0 && axis < 3; ++axis) rows.push_back(3 * number + axis);
-    return rows;
-  }
-
-  // Reduced normal equations of the shared points.
-  Result<> build() {
-    matrix_.clear();
-    right_.setZero(Index{factor_.tile_rows()} * bundle::kTile);
-    squares_ = 0;
-    for (std::size_t m = 0; m < models_.size(); ++m) {
-      if (!is_in(m)) continue;
-      if (run_.stopped()) return fail(Errc::kCancelled, "stopped");
-      const auto normals = local(m);
-      if (!normals) return tl::unexpected(no_covariance(m));
-      squares_ += normals->reduced_obs.dot(normals->weight * normals->reduced_obs);
-      add(*normals, rows_of(m));
-    }
-    for (const SurveyedPoint& point : control_)
-      if (const int number = number_of(point); number >= 0)
-        for (int axis = 0; axis < 3; ++axis) {
-          if (point.sigma[axis] == 0 || !point.has(axis)) continue;
-          const double weight = 1 / (point.sigma[axis] * point.sigma[axis]);
-          const double l = point.position[axis] - position_.at(point.name)[axis];
-          matrix_.at(3 * number + axis, 3 * number + axis) += weight;
-          right_[3 * number + axis] += weight * l;
-          squares_ += weight * l * l;
-        }
-    for (std::size_t row = 0; row < is_fixed_.size(); ++row)
-      if (is_fixed_[row]) matrix_.at(static_cast<int>(row), static_cast<int>(row)) = 1;
-    return {};
-  }
-
-  void add(const LocalNormals& normals, const std::vector<int>& rows) {
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      if (is_fixed_[static_cast<std::size_t>(rows[i])]) continue;
-      right_[rows[i]] += normals.reduced_right[static_cast<Index>(i)];
-      for (std::size_t k = 0; k < rows.size(); ++k)
-        if (rows[k] <= rows[i] && !is_fixed_[static_cast<std::size_t>(rows[k])])
-          matrix_.at(rows[i], rows[k]) += normals.reduced_matrix(static_cast<Index>(i), static_cast<Index>(k));
-    }
-  }
-
-  Result<> factorise() {
-    if (factor_.factor(matrix_, run_, kLeastPivot)) return {};
-    if (run_.stopped()) return fail(Errc::kCancelled, "stopped");
-    const int row = factor_.failed_row();
-    return fail(Errc::kIllPosed, fmt::format("{} of point {} is not determined by models and control", axis_of(row),
-                                             shared_.name(row / 3)));
-  }
-
-  // Gauss-Newton, to the end; answers the number of steps.
-  Result<int> settle() {
-    double least = std::numeric_limits<double>::infinity();
-    int worse = 0;
-    for (int step = 1; step <= options_.most_steps; ++step) {
-      COLLINEA_TRY(build());
-      if (!std::isfinite(squares_) || (worse += squares_ > 1.5 * least) > 3)
-        return fail(Errc::kNotConverged, "the adjustment diverges: look for a gross error among models and control");
-      least = std::min(least, squares_);
-      COLLINEA_TRY(factorise());
-      VectorXd x = right_;
-      factor_.solve(x.data());
-      double taken = right_.dot(x);
-      for (std::size_t m = 0; m < models_.size(); ++m)
-        if (is_in(m)) COLLINEA_TRY(step_model(m, x, taken));
-      for (int number = 0; number < shared_.count(); ++number)
-        position_.at(shared_.name(number)) += x.segment<3>(3 * number);
-      if (taken < kSettled * (squares_ + 1)) return step;
-    }
-    return fail(Errc::kNotConverged, fmt::format("the adjustment has not settled in {} steps: look for a gross error "
-                                                 "among models and control",
-                                                 options_.most_steps));
-  }
-
-  // The model's own unknowns, by those of the shared points. Adds to `taken` the squares that they took.
-  Result<> step_model(std::size_t m, const VectorXd& x, double& taken) {
-    const auto normals = local(m);
-    if (!normals) return tl::unexpected(no_covariance(m));
-    const std::vector<int> rows = rows_of(m);
-    VectorXd its_x(static_cast<Index>(rows.size()));
-    for (std::size_t i = 0; i < rows.size(); ++i) its_x[static_cast<Index>(i)] = x[rows[i]];
-    const VectorXd y = normals->start - normals->coupling * its_x;
-    taken += normals->start.dot(normals->own.transpose() * (normals->weight * normals->reduced_obs));
-    const Index parameters = is_held(m) ? 0 : 7;
-    Index next = parameters;
-    for (std::size_t i = 0; i < models_[m].points.size(); ++i)
-      if (shared_.numbers(m)[i] < 0) {
-        own_steps_.emplace_back(models_[m].points[i].name, y.segment<3>(next));
-        next += 3;
-      }
-    if (parameters > 0) states_[m].step(y.head<7>());
-    for (const auto& [name, by] : own_steps_) position_.at(name) += by;
-    own_steps_.clear();
-    return {};
-  }
-
   void count(JoinedBlock& block) const {
     for (std::size_t m = 0; m < models_.size(); ++m) {
-      if (!is_in(m)) continue;
+      if (!normals_.is_in(m)) continue;
       block.observations += 3 * static_cast<long>(models_[m].points.size());
-      block.unknowns += is_held(m) ? 0 : 7;
+      block.unknowns += normals_.is_held(m) ? 0 : 7;
     }
-    block.unknowns += 3 * static_cast<long>(chain_.points.size());
+    block.unknowns += 3 * static_cast<long>(normals_.chain().points.size());
     for (const SurveyedPoint& point : control_)
-      if (number_of(point) >= 0)
+      if (normals_.number_of(point) >= 0)
         for (int axis = 0; axis < 3; ++axis) {
           block.unknowns -= point.sigma[axis] == 0 ? 1 : 0;
           block.observations += point.sigma[axis] > 0 && point.has(axis) ? 1 : 0;
         }
-    block.squares = squares_;
-  }
-
-  // Covariance of shared points of a model.
-  [[nodiscard]] MatrixXd covariance_of(const std::vector<int>& rows) {
-    const auto n = static_cast<Index>(rows.size());
-    MatrixXd q = MatrixXd::Zero(n, n);
-    for (Index i = 0; i < n; ++i)
-      for (Index k = 0; k < n; ++k) {
-        const int a = rows[static_cast<std::size_t>(i)], b = rows[static_cast<std::size_t>(k)];
-        if (!is_fixed_[static_cast<std::size_t>(a)] && !is_fixed_[static_cast<std::size_t>(b)])
-          q(i, k) = factor_.at(std::max(a, b), std::min(a, b));
-      }
-    return q;
+    block.squares = normals_.squares();
   }
 
   Result<> examine_model(std::size_t m, JoinedBlock& block) {
-    const auto normals = local(m);
-    if (!normals) return tl::unexpected(no_covariance(m));
-    const LocalNormals& n = *normals;
-    const MatrixXd q = covariance_of(rows_of(m));
+    COLLINEA_TRY(const LocalNormals n, normals_.local(m));
+    const MatrixXd q = normals_.covariance_of(m);
     const MatrixXd own = n.inverse + n.coupling * q * n.coupling.transpose();
     JoinedModel& out = block.models[m].emplace();
-    out.ground_from_model = inverse(states_[m].model_from_ground);
+    out.ground_from_model = inverse(normals_.state(m).model_from_ground);
     describe(out, m, own, n.gauge);
     // Adjusted observations: A y + B x = A start + (B - A coupling) x.
     const MatrixXd rest = n.shared - n.own * n.coupling;
@@ -257,13 +94,13 @@ class Joiner {
   }
 
   void take_points(std::size_t m, const MatrixXd& own, const MatrixXd& q) {
-    Index next_own = is_held(m) ? 0 : 7, next_shared = 0;
+    Index next_own = normals_.is_held(m) ? 0 : 7, next_shared = 0;
     for (std::size_t i = 0; i < models_[m].points.size(); ++i) {
-      const bool is_shared = shared_.numbers(m)[i] >= 0;
+      const bool is_shared = normals_.shared().numbers(m)[i] >= 0;
       Index& next = is_shared ? next_shared : next_own;
       JoinedPoint& point = points_[models_[m].points[i].name];
       point.name = models_[m].points[i].name;
-      point.position = position_.at(point.name);
+      point.position = normals_.position(point.name);
       point.covariance = (is_shared ? q : own).block<3, 3>(next, next);
       ++point.models;
       next += 3;
@@ -276,12 +113,12 @@ class Joiner {
     const Matrix3d rotation = ground.rotation.toRotationMatrix();
     // cam_from_world of a camera whose image axes (x right, y up, z backward) are those of the model.
     const OmegaPhiKappa angles = omega_phi_kappa((ground.rotation * Eigen::Quaterniond(0, 1, 0, 0)).conjugate());
-    constexpr double kRadian = 3.14159265358979323846 / 180;
+    constexpr double kRadian = std::numbers::pi / 180;
     out.omega_rad = angles.omega_deg * kRadian;
     out.phi_rad = angles.phi_deg * kRadian;
     out.kappa_rad = angles.kappa_deg * kRadian;
-    if (is_held(m)) return;
-    const Vector3d& c = states_[m].centre;
+    if (normals_.is_held(m)) return;
+    const Vector3d& c = normals_.state(m).centre;
     Eigen::Matrix<double, 7, 7> by = Eigen::Matrix<double, 7, 7>::Zero();
     by.block<3, 1>(0, 0) = ground.scale * (rotation * c);
     by.block<3, 3>(0, 1) = -ground.scale * rotation * skew(c);
@@ -343,18 +180,8 @@ class Joiner {
   const std::vector<StereoModel>& models_;
   const std::vector<SurveyedPoint>& control_;
   const JoinOptions& options_;
-  const Run& run_;
-  ModelChain chain_;
-  SharedPoints shared_;
-  std::vector<ModelState> states_;
-  std::map<std::string, Vector3d> position_;
-  std::vector<bool> is_fixed_;  // of each row
-  bundle::TileMatrix matrix_;
-  bundle::TileCholesky factor_;
-  VectorXd right_;
-  double squares_ = 0;
+  BlockNormals& normals_;
   std::map<std::string, JoinedPoint> points_;
-  std::vector<std::pair<std::string, Vector3d>> own_steps_;
 };
 
 }  // namespace
@@ -376,7 +203,10 @@ Result<JoinedBlock> join_models(const std::vector<StereoModel>& models, const st
   std::vector<SurveyedPoint> near = control;
   for (SurveyedPoint& point : near) point.position -= origin;
   COLLINEA_TRY(ModelChain chain, chain_models(models, near));
-  COLLINEA_TRY(JoinedBlock block, Joiner(models, near, options, std::move(chain), run).join());
+  BlockNormals normals(models, near, std::move(chain), run);
+  COLLINEA_TRY(const int steps, normals.settle(options.most_steps));
+  COLLINEA_TRY(JoinedBlock block, Examination(models, near, options, normals).examine());
+  block.steps = steps;
   for (JoinedPoint& point : block.points) point.position += origin;
   for (auto& model : block.models)
     if (model) model->ground_from_model.translation += origin;

@@ -142,7 +142,7 @@ TEST(ModelBlock, TheFrameOfAModelDoesNotMatter) {
   TestModels made = test_models({.sigma = 0.005, .control_sigma_m = 0.02, .level = true, .correlated = true});
   const JoinedBlock before = joined(made);
   for (StereoModel& model : made.models) {
-    // Points 0 and 1 and the w of point 2 fix the frame; what they had is taken out of all others, to first order.
+    // Points 0 and 1 and the w of point 2 fix the frame; what they had is removed from all others, to first order.
     const auto n = static_cast<Eigen::Index>(3 * model.points.size());
     Eigen::MatrixXd motion(n, 7), fixed = Eigen::MatrixXd::Zero(7, n);
     for (std::size_t i = 0; i < model.points.size(); ++i)
