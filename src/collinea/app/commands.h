@@ -35,6 +35,7 @@ Command intersection_command();
 Command absolute_command();
 Command rotation_command();
 Command edges_command();
+Command models_command();
 Command verify_command();
 Command evaluate_command();
 Command grid_command();
@@ -82,6 +83,7 @@ struct CommandGroup {
            absolute_command(),
            rotation_command(),
            edges_command(),
+           models_command(),
            rectify_command(),
            volume_command(),
            profile_command(),
