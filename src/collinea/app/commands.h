@@ -80,7 +80,6 @@ struct CommandGroup {
            interior_command(),
            resection_command(),
            intersection_command(),
-           absolute_command(),
            rotation_command(),
            edges_command(),
            models_command(),
