@@ -30,9 +30,9 @@ TEST(EdgeMasks, AreThoseOfTheLiterature) {
   EXPECT_EQ(edge_masks(EdgeOperator::kPrewittCompass)[4], (EdgeMask{-1, -1, -1, 1, -2, 1, 1, 1, 1}));
 }
 
-class EveryOperator : public testing::TestWithParam<EdgeOperator> {};
+class EveryEdgeOperator : public testing::TestWithParam<EdgeOperator> {};
 
-TEST_P(EveryOperator, MeasuresTheSlopeOfARamp) {
+TEST_P(EveryEdgeOperator, MeasuresTheSlopeOfARamp) {
   FloatImage ramp(40, 30);
   for (int y = 0; y < 30; ++y)
     for (int x = 0; x < 40; ++x) ramp.at(x, y) = float(3 * x + 3 * y);
@@ -42,7 +42,7 @@ TEST_P(EveryOperator, MeasuresTheSlopeOfARamp) {
   EXPECT_NEAR(map.direction_rad.at(20, 15), std::numbers::pi / 4, 1e-4);
 }
 
-TEST_P(EveryOperator, FindsAStraightEdgeWhereItIs) {
+TEST_P(EveryEdgeOperator, FindsAStraightEdgeWhereItIs) {
   for (const double degrees : {0.0, 17.0, 45.0, 113.0, 200.0, 290.0}) {
     const double theta = degrees * std::numbers::pi / 180;
     const Vector2d normal(std::cos(theta), std::sin(theta));
@@ -61,7 +61,7 @@ TEST_P(EveryOperator, FindsAStraightEdgeWhereItIs) {
 
 // The error across the edge over its standard deviation is a standard normal variable. With much noise: the systematic
 // errors of a facet, which is no edge, are 0.02 px.
-TEST_P(EveryOperator, ItsSigmasAreTheErrors) {
+TEST_P(EveryEdgeOperator, ItsSigmasAreTheErrors) {
   double sum = 0, within = 0, count = 0;
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     const double theta = 0.37 * double(seed);
@@ -82,21 +82,21 @@ TEST_P(EveryOperator, ItsSigmasAreTheErrors) {
 }
 
 // Smoothing by s moves an edge of radius R by s^2 / 2R: zeros of the Laplacian outwards, maxima of the slope inwards.
-TEST_P(EveryOperator, ADiscHasOneClosedEdge) {
+TEST_P(EveryEdgeOperator, ADiscHasOneClosedEdge) {
   const EdgeMap map = detect_edges(render_shape(50, 50, disc({24.6, 25.3}, 14, 0.7)), {.edge_operator = GetParam()});
   ASSERT_EQ(map.chains.size(), 1u);
   EXPECT_TRUE(map.chains[0].is_closed);
   for (const EdgePoint& p : map.points) EXPECT_NEAR((p.at - Vector2d(24.6, 25.3)).norm(), 14, 0.25);
 }
 
-TEST_P(EveryOperator, NoEdgesWhereThereAreNone) {
+TEST_P(EveryEdgeOperator, NoEdgesWhereThereAreNone) {
   EXPECT_TRUE(detect_edges(FloatImage(50, 40, 1, 80), {.edge_operator = GetParam()}).points.empty());
   EXPECT_TRUE(detect_edges(with_noise(FloatImage(60, 60, 1, 80), 4, 7), {.edge_operator = GetParam()}).points.empty());
   for (const int size : {0, 1, 2, 6})
     EXPECT_TRUE(detect_edges(FloatImage(size, size, 1, 80), {.edge_operator = GetParam()}).points.empty());
 }
 
-INSTANTIATE_TEST_SUITE_P(Edges, EveryOperator,
+INSTANTIATE_TEST_SUITE_P(Edges, EveryEdgeOperator,
                          testing::Values(EdgeOperator::kRoberts, EdgeOperator::kPrewitt, EdgeOperator::kSobel,
                                          EdgeOperator::kIsotropic, EdgeOperator::kPrewittCompass, EdgeOperator::kKirsch,
                                          EdgeOperator::kRobinson3, EdgeOperator::kRobinson5, EdgeOperator::kLog,
