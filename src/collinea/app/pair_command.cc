@@ -8,7 +8,7 @@ namespace collinea {
 Command pair_command() {
   struct Asked {
     std::string left, right, folder;
-    PairOptions options;
+    PairChainOptions options;
     ConsoleOptions console;
   };
   return console_command<Asked>(

@@ -38,7 +38,7 @@ struct Row {
   int axis;
 };
 
-std::vector<Row> rows_of(std::span<const ControlPair> pairs) {
+std::vector<Row> rows_of(std::span<const AbsoluteControl> pairs) {
   std::vector<Row> rows;
   for (std::size_t i = 0; i < pairs.size(); ++i)
     for (int axis = 0; axis < 3; ++axis)
@@ -46,10 +46,10 @@ std::vector<Row> rows_of(std::span<const ControlPair> pairs) {
   return rows;
 }
 
-Reduced centroids(std::span<const ControlPair> pairs) {
+Reduced centroids(std::span<const AbsoluteControl> pairs) {
   Reduced mean;
   double plan = 0, height = 0;
-  for (const ControlPair& pair : pairs) {
+  for (const AbsoluteControl& pair : pairs) {
     mean.model += pair.in_model / double(pairs.size());
     if (pair.has_plan) {
       mean.ground.head<2>() += pair.in_ground.head<2>();
@@ -68,7 +68,7 @@ Reduced centroids(std::span<const ControlPair> pairs) {
 // The covariance of the equations, point by point or of all at once, and what is done with it.
 class Weights {
  public:
-  Weights(std::span<const ControlPair> pairs, const std::vector<Row>& rows, const MatrixXd* full)
+  Weights(std::span<const AbsoluteControl> pairs, const std::vector<Row>& rows, const MatrixXd* full)
       : pairs_(pairs), rows_(rows), full_(full) {}
 
   // False when it is not positive definite.
@@ -78,7 +78,7 @@ class Weights {
     factors_.clear();
     for (std::size_t begin = 0; begin < rows_.size();) {
       const std::size_t end = group_end(begin);
-      const ControlPair& pair = pairs_[rows_[begin].pair];
+      const AbsoluteControl& pair = pairs_[rows_[begin].pair];
       const Matrix3d all =
           pair.ground_covariance + scaled_rotation * pair.model_covariance * scaled_rotation.transpose();
       Small block(end - begin, end - begin);
@@ -178,7 +178,7 @@ class Weights {
     return whole_.info() == Eigen::Success;
   }
 
-  std::span<const ControlPair> pairs_;
+  std::span<const AbsoluteControl> pairs_;
   const std::vector<Row>& rows_;
   const MatrixXd* full_;
   Matrix3d scaled_rotation_ = Matrix3d::Identity();
@@ -202,7 +202,7 @@ std::optional<Matrix7> covariance_of(const Matrix7& normal) {
 // reduced.model).
 class Fit {
  public:
-  Fit(std::span<const ControlPair> pairs, const std::vector<Row>& rows, const Reduced& reduced,
+  Fit(std::span<const AbsoluteControl> pairs, const std::vector<Row>& rows, const Reduced& reduced,
       const MatrixXd* model_covariance)
       : pairs_(pairs),
         rows_(rows),
@@ -337,7 +337,7 @@ class Fit {
     return row;
   }
 
-  std::span<const ControlPair> pairs_;
+  std::span<const AbsoluteControl> pairs_;
   const std::vector<Row>& rows_;
   const Reduced& reduced_;
   Weights weights_;
@@ -359,7 +359,7 @@ Similarity3 about(const Reduced& reduced, double scale, const Eigen::Quaterniond
 
 // The two indices that are farthest apart in the model, of those that pass.
 template <class Passes>
-std::array<std::size_t, 2> farthest(std::span<const ControlPair> pairs, const Passes& passes) {
+std::array<std::size_t, 2> farthest(std::span<const AbsoluteControl> pairs, const Passes& passes) {
   std::array<std::size_t, 2> best{0, 0};
   double longest = -1;
   for (std::size_t i = 0; i < pairs.size(); ++i)
@@ -373,9 +373,9 @@ std::array<std::size_t, 2> farthest(std::span<const ControlPair> pairs, const Pa
 }
 
 // Where two full points are given: all rotations about their line, in steps.
-std::vector<Similarity3> starts_about_line(std::span<const ControlPair> pairs) {
+std::vector<Similarity3> starts_about_line(std::span<const AbsoluteControl> pairs) {
   constexpr int kSteps = 12;
-  const auto [i, j] = farthest(pairs, [](const ControlPair& pair) { return pair.is_full(); });
+  const auto [i, j] = farthest(pairs, [](const AbsoluteControl& pair) { return pair.is_full(); });
   const Vector3d model = pairs[j].in_model - pairs[i].in_model, ground = pairs[j].in_ground - pairs[i].in_ground;
   if (!(model.norm() > 0 && ground.norm() > 0)) return {};
   const Eigen::Quaterniond onto = Eigen::Quaterniond::FromTwoVectors(model, ground);
@@ -390,8 +390,8 @@ std::vector<Similarity3> starts_about_line(std::span<const ControlPair> pairs) {
 }
 
 // A model whose w axis is upright: the similarity of the plan alone.
-std::vector<Similarity3> level_start(std::span<const ControlPair> pairs, const Reduced& reduced) {
-  const auto [i, j] = farthest(pairs, [](const ControlPair& pair) { return pair.has_plan; });
+std::vector<Similarity3> level_start(std::span<const AbsoluteControl> pairs, const Reduced& reduced) {
+  const auto [i, j] = farthest(pairs, [](const AbsoluteControl& pair) { return pair.has_plan; });
   const Eigen::Vector2d model = (pairs[j].in_model - pairs[i].in_model).head<2>();
   const Eigen::Vector2d ground = (pairs[j].in_ground - pairs[i].in_ground).head<2>();
   if (!(model.norm() > 0 && ground.norm() > 0)) return {};
@@ -400,9 +400,9 @@ std::vector<Similarity3> level_start(std::span<const ControlPair> pairs, const R
       about(reduced, ground.norm() / model.norm(), Eigen::Quaterniond(Eigen::AngleAxisd(kappa, Vector3d::UnitZ())))};
 }
 
-std::vector<Similarity3> starts_of(std::span<const ControlPair> pairs, const Reduced& reduced) {
+std::vector<Similarity3> starts_of(std::span<const AbsoluteControl> pairs, const Reduced& reduced) {
   std::vector<Vector3d> model, ground;
-  for (const ControlPair& pair : pairs)
+  for (const AbsoluteControl& pair : pairs)
     if (pair.is_full()) {
       model.push_back(pair.in_model);
       ground.push_back(pair.in_ground);
@@ -412,9 +412,9 @@ std::vector<Similarity3> starts_of(std::span<const ControlPair> pairs, const Red
   return level_start(pairs, reduced);
 }
 
-Result<> check_counts(std::span<const ControlPair> pairs, const std::vector<Row>& rows) {
+Result<> check_counts(std::span<const AbsoluteControl> pairs, const std::vector<Row>& rows) {
   long plan = 0, height = 0;
-  for (const ControlPair& pair : pairs) {
+  for (const AbsoluteControl& pair : pairs) {
     plan += pair.has_plan;
     height += pair.has_height;
   }
@@ -425,7 +425,7 @@ Result<> check_counts(std::span<const ControlPair> pairs, const std::vector<Row>
     return fail(Errc::kIllPosed, "absolute orientation needs three points that are known in height, there are " +
                                      std::to_string(height));
   for (const Row& row : rows)
-    if (const ControlPair& pair = pairs[row.pair];
+    if (const AbsoluteControl& pair = pairs[row.pair];
         !pair.in_model.allFinite() || !std::isfinite(pair.in_ground[row.axis]))
       return fail(Errc::kBadInput, "a coordinate of a control point is not finite");
   return {};
@@ -433,7 +433,7 @@ Result<> check_counts(std::span<const ControlPair> pairs, const std::vector<Row>
 
 }  // namespace
 
-Result<AbsoluteOrientation> absolute_orientation(std::span<const ControlPair> pairs, const AbsoluteOptions& options) {
+Result<AbsoluteOrientation> absolute_orientation(std::span<const AbsoluteControl> pairs, const AbsoluteOptions& options) {
   const std::vector<Row> rows = rows_of(pairs);
   COLLINEA_TRY(check_counts(pairs, rows));
   const Eigen::MatrixXd* full = options.model_covariance;
@@ -495,7 +495,7 @@ AbsoluteParameters parameters_of(const AbsoluteOrientation& orientation) {
           angles.kappa_rad,       similarity.scale, by * orientation.covariance * by.transpose()};
 }
 
-std::optional<std::vector<std::size_t>> contradicting_control(std::span<const ControlPair> pairs, std::uint64_t seed) {
+std::optional<std::vector<std::size_t>> contradicting_control(std::span<const AbsoluteControl> pairs, std::uint64_t seed) {
   std::vector<bundle::PositionPair> full;
   std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < pairs.size(); ++i) {

@@ -14,7 +14,7 @@ namespace collinea {
 
 /// A control point measured in a model: known on the ground in plan, in height or in both. Each side with its
 /// covariance; one that is exact has zero, but not both.
-struct ControlPair {
+struct AbsoluteControl {
   Eigen::Vector3d in_model = Eigen::Vector3d::Zero();
   Eigen::Matrix3d model_covariance = Eigen::Matrix3d::Zero();  ///< [units of the model, squared]
   Eigen::Vector3d in_ground = Eigen::Vector3d::Zero();         ///< what is not known is not looked at
@@ -62,7 +62,7 @@ struct AbsoluteOptions {
 ///
 /// Errors (ill-posed): too few components; points that leave a parameter open (the smallest eigenvalue of the normal
 /// matrix with unit diagonal is below 1e-11); covariances that are not positive definite; not converged.
-[[nodiscard]] Result<AbsoluteOrientation> absolute_orientation(std::span<const ControlPair> pairs,
+[[nodiscard]] Result<AbsoluteOrientation> absolute_orientation(std::span<const AbsoluteControl> pairs,
                                                                const AbsoluteOptions& options = {});
 
 /// The ground position of a point of the model and its covariance: by the orientation's and by the model's own, taken
@@ -86,7 +86,7 @@ struct AbsoluteParameters {
 /// The indices of full points that contradict the least median of squares of all triples (of 500 drawn ones where
 /// there are more): beyond 3 robust standard deviations on each axis and `sigma` of their own. Nothing with fewer than
 /// four full points, or when those that agree lie on a line.
-[[nodiscard]] std::optional<std::vector<std::size_t>> contradicting_control(std::span<const ControlPair> pairs,
+[[nodiscard]] std::optional<std::vector<std::size_t>> contradicting_control(std::span<const AbsoluteControl> pairs,
                                                                             std::uint64_t seed);
 
 }  // namespace collinea

@@ -35,14 +35,14 @@ Vector3d error_of(const Matrix3d& covariance, Random& random) {
 // Points of a model, where they are on the ground without errors, and how well both are known.
 struct Scene {
   Similarity3 truth;
-  std::vector<ControlPair> pairs;
+  std::vector<AbsoluteControl> pairs;
 
   explicit Scene(std::uint64_t seed, int points = 8, double error = 1) {
     Random random(seed);
     truth = {std::exp(0.5 * random.normal()), rotation_by(random_vector(random, 1)),
              Vector3d(5e5, 5e6, 300) + random_vector(random, 10)};
     for (int i = 0; i < points; ++i) {
-      ControlPair pair;
+      AbsoluteControl pair;
       pair.in_model = random_vector(random, 100) + Vector3d(20, 30, 900);
       pair.in_ground = truth * pair.in_model;
       pair.model_covariance = error * error * random_covariance(random, 0.05);
@@ -50,10 +50,10 @@ struct Scene {
       pairs.push_back(pair);
     }
   }
-  [[nodiscard]] std::vector<ControlPair> measured(std::uint64_t seed) const {
+  [[nodiscard]] std::vector<AbsoluteControl> measured(std::uint64_t seed) const {
     Random random(seed, 77);
-    std::vector<ControlPair> out = pairs;
-    for (ControlPair& pair : out) {
+    std::vector<AbsoluteControl> out = pairs;
+    for (AbsoluteControl& pair : out) {
       pair.in_model += error_of(pair.model_covariance, random);
       pair.in_ground += error_of(pair.ground_covariance, random);
     }
@@ -95,7 +95,7 @@ TEST(ClosedSimilarity, AllThreeAgreeOnExactPoints) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     const Scene scene(seed, 3 + int(seed % 5));
     std::vector<Vector3d> model, ground;
-    for (const ControlPair& pair : scene.pairs) {
+    for (const AbsoluteControl& pair : scene.pairs) {
       model.push_back(pair.in_model);
       ground.push_back(pair.in_ground);
     }
@@ -184,7 +184,7 @@ TEST(AbsoluteOrientation, FullCovarianceOfTheModelCounts) {
     const Eigen::VectorXd error =
         covariance.llt().matrixL() * Eigen::VectorXd::NullaryExpr(3 * kPoints, [&](auto) { return random.normal(); });
     for (int i = 0; i < kPoints; ++i) {
-      ControlPair& pair = scene.pairs[std::size_t(i)];
+      AbsoluteControl& pair = scene.pairs[std::size_t(i)];
       pair.in_model += error.segment<3>(3 * i);
       pair.model_covariance = covariance.block<3, 3>(3 * i, 3 * i);
       pair.ground_covariance = 1e-6 * Matrix3d::Identity();
@@ -262,7 +262,7 @@ TEST(AbsoluteOrientation, TwoPointsAndAHeightAreEnough) {
     Scene scene(seed, 3);
     Random random(seed, 3);
     scene.truth.rotation = rotation_by({0.1 * random.normal(), 0.1 * random.normal(), 3 * random.normal()});
-    for (ControlPair& pair : scene.pairs) pair.in_ground = scene.truth * pair.in_model;
+    for (AbsoluteControl& pair : scene.pairs) pair.in_ground = scene.truth * pair.in_model;
     scene.pairs[2].has_plan = false;
     scene.pairs[2].in_ground.head<2>().setConstant(std::nan(""));
     const Vector3d a = scene.pairs[1].in_model - scene.pairs[0].in_model;
@@ -284,7 +284,7 @@ TEST(AbsoluteOrientation, PlanAndHeightAtDifferentPoints) {
     Scene scene(seed, 8);
     Random random(seed, 3);
     scene.truth.rotation = rotation_by({0.05 * random.normal(), 0.05 * random.normal(), 3 * random.normal()});
-    for (ControlPair& pair : scene.pairs) pair.in_ground = scene.truth * pair.in_model;
+    for (AbsoluteControl& pair : scene.pairs) pair.in_ground = scene.truth * pair.in_model;
     auto pairs = scene.measured(seed);
     for (std::size_t i = 0; i < pairs.size(); ++i) (i % 2 ? pairs[i].has_plan : pairs[i].has_height) = false;
     const auto found = absolute_orientation(pairs);
@@ -302,7 +302,7 @@ TEST(AbsoluteOrientation, TooLittleControlIsRefused) {
   pairs[2].has_height = false;
   EXPECT_FALSE(absolute_orientation(pairs));
   pairs = scene.pairs;
-  for (ControlPair& pair : pairs) pair.has_plan = false;
+  for (AbsoluteControl& pair : pairs) pair.has_plan = false;
   EXPECT_FALSE(absolute_orientation(pairs));
   EXPECT_FALSE(absolute_orientation({}));
 }

@@ -141,7 +141,7 @@ struct Control {
   ModelTable model;
   GroundPoints ground;
   std::vector<std::size_t> common;  // indices of the model
-  std::vector<ControlPair> pairs;   // of them
+  std::vector<AbsoluteControl> pairs;   // of them
   std::vector<bool> is_check, is_rejected;
   bool sigmas_are_stated = false;
 
@@ -169,7 +169,7 @@ Result<Control> read_control(const std::filesystem::path& model, const std::file
   for (std::size_t i = 0; i < control.model.names.size(); ++i) {
     const auto found = control.ground.points.find(control.model.names[i]);
     if (found == control.ground.points.end()) continue;
-    ControlPair pair{control.model.points[i], control.model.covariances[i], found->second.position,
+    AbsoluteControl pair{control.model.points[i], control.model.covariances[i], found->second.position,
                      Matrix3d::Zero(),        found->second.has_plan,       found->second.has_height};
     if (control.model.full)
       pair.model_covariance = control.model.full->block<3, 3>(Eigen::Index(3 * i), Eigen::Index(3 * i));
@@ -188,14 +188,14 @@ Result<Control> read_control(const std::filesystem::path& model, const std::file
   return control;
 }
 
-std::vector<ControlPair> pairs_of(const Control& control, const std::vector<std::size_t>& used) {
-  std::vector<ControlPair> pairs;
+std::vector<AbsoluteControl> pairs_of(const Control& control, const std::vector<std::size_t>& used) {
+  std::vector<AbsoluteControl> pairs;
   for (const std::size_t k : used) pairs.push_back(control.pairs[k]);
   return pairs;
 }
 
 Result<AbsoluteOrientation> fitted(const Control& control, const std::vector<std::size_t>& used) {
-  const std::vector<ControlPair> pairs = pairs_of(control, used);
+  const std::vector<AbsoluteControl> pairs = pairs_of(control, used);
   if (!control.model.full) return absolute_orientation(pairs);
   const auto size = static_cast<Eigen::Index>(3 * used.size());
   MatrixXd part(size, size);
@@ -254,7 +254,7 @@ AbsoluteReport report_of(const Control& control, const AbsoluteOrientation& foun
   if (is_rigorous) report.covariance = parameters.covariance;
   std::size_t next = 0;
   for (std::size_t k = 0; k < control.pairs.size(); ++k) {
-    const ControlPair& pair = control.pairs[k];
+    const AbsoluteControl& pair = control.pairs[k];
     AbsoluteReport::Point point{control.model.names[control.common[k]],
                                 Vector3d::Zero(),
                                 Vector3d::Zero(),
@@ -343,7 +343,7 @@ Result<AbsoluteReport> in_plane(const Control& control, const OrientAbsoluteOpti
   std::vector<PlanePair> pairs;
   std::vector<std::size_t> used;
   for (const std::size_t k : control.used()) {
-    const ControlPair& pair = control.pairs[k];
+    const AbsoluteControl& pair = control.pairs[k];
     if (!pair.has_plan) continue;
     pairs.push_back({pair.in_model.head<2>(), pair.in_ground.head<2>(), pair.model_covariance.topLeftCorner<2, 2>(),
                      pair.ground_covariance.topLeftCorner<2, 2>()});
@@ -363,7 +363,7 @@ Result<AbsoluteReport> in_plane(const Control& control, const OrientAbsoluteOpti
   report.full = static_cast<int>(pairs.size());
   const auto lifted = [](const Eigen::Vector2d& v) { return Vector3d(v.x(), v.y(), 0); };
   for (std::size_t k = 0; k < control.pairs.size(); ++k) {
-    const ControlPair& pair = control.pairs[k];
+    const AbsoluteControl& pair = control.pairs[k];
     AbsoluteReport::Point point{control.model.names[control.common[k]],
                                 Vector3d::Zero(),
                                 Vector3d::Zero(),

@@ -79,7 +79,7 @@ std::vector<LevelPoint> points_of(const DisparityMap& map) {
 }
 
 Result<std::vector<LevelPoint>> surface_of(const EpipolarImages& images, const RelativeOrientation& orientation,
-                                           const PairOptions& options, PairReport& report, const Run& run) {
+                                           const PairChainOptions& options, PairReport& report, const Run& run) {
   const auto sigma = row_sigma(images.cameras, orientation, median_disparity(images.points));
   for (const LevelPoint& point : images.points)
     report.row_sigma_px = std::max(report.row_sigma_px, sigma(point.left_px));
@@ -229,7 +229,7 @@ void describe_points(const EpipolarImages& images, const std::vector<LevelPoint>
 }  // namespace
 
 Result<PairReport> orient_and_match(const fs::path& left, const fs::path& right, const fs::path& folder,
-                                    const PairOptions& options, const Run& run) {
+                                    const PairChainOptions& options, const Run& run) {
   COLLINEA_TRY(validate(options));
   COLLINEA_TRY(const PairImages images, read_pair(left, right, options));
   PairReport report{.left_width_px = images.left.width,

@@ -15,7 +15,7 @@
 namespace collinea {
 
 /// How two images become a surface.
-struct PairOptions {
+struct PairChainOptions {
   std::optional<double> principal_distance_px;
   std::optional<std::string> principal_point_px;
   std::optional<Resolution> resolution;
@@ -30,7 +30,7 @@ struct PairOptions {
 
   template <class Visit>
   static void describe(Visit&& visit) {
-    using O = PairOptions;
+    using O = PairChainOptions;
     visit(Field{"principal_distance_px", &O::principal_distance_px, "px", "of both images, as large as their files", 1,
                 1e7});
     visit(Field{"principal_point_px", &O::principal_point_px, "px", "column,row; nothing: the middle of the image"});
@@ -57,7 +57,7 @@ struct PairOptions {
 /// epipolar_check.png, surface.txt, cloud.ply, exterior.txt. Errors: files, no principal distance, images that do not
 /// show the same, what the methods refuse; stopped.
 [[nodiscard]] Result<PairReport> orient_and_match(const std::filesystem::path& left, const std::filesystem::path& right,
-                                                  const std::filesystem::path& folder, const PairOptions& options,
+                                                  const std::filesystem::path& folder, const PairChainOptions& options,
                                                   const Run& run);
 
 }  // namespace collinea

@@ -27,7 +27,7 @@ Eigen::Matrix3d essential_of(const Rigid3& second_from_first) {
 
 constexpr double kFarthest_px = 2;  // that least squares matching may move a point
 
-Result<Camera> camera_of(const fs::path& file, const PairOptions& options) {
+Result<Camera> camera_of(const fs::path& file, const PairChainOptions& options) {
   COLLINEA_TRY(const ImageHeader header, read_image_header(file));
   Camera camera = ideal_camera(*options.principal_distance_px, header.width_px, header.height_px);
   if (options.principal_point_px) {
@@ -43,7 +43,7 @@ Result<Camera> camera_of(const fs::path& file, const PairOptions& options) {
 
 }  // namespace
 
-Result<PairImages> read_pair(const fs::path& left, const fs::path& right, const PairOptions& options) {
+Result<PairImages> read_pair(const fs::path& left, const fs::path& right, const PairChainOptions& options) {
   if (!options.principal_distance_px)
     return fail(Errc::kBadInput, "nothing says the principal distance of the images", {"principal_distance_px"_option});
   COLLINEA_TRY(const Camera left_camera, camera_of(left, options));

@@ -17,7 +17,7 @@ struct PairImages {
   int shrink = 1;                    ///< against the files
 };
 [[nodiscard]] Result<PairImages> read_pair(const std::filesystem::path& left, const std::filesystem::path& right,
-                                           const PairOptions& options);
+                                           const PairChainOptions& options);
 
 /// Points as the relative orientation takes them.
 [[nodiscard]] std::vector<PairPoint> normalised(const std::vector<MatchedPoint>& points, const PairImages& images,
