@@ -121,7 +121,7 @@ Result<> orient_absolutely(const fs::path& file, const PairImages& images, const
   }
   Rigid3 right_from_left = orientation.second_from_first;
   right_from_left.translation *= cameras.base_m;
-  std::vector<ControlPair> pairs;
+  std::vector<AbsoluteControl> pairs;
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     const std::array<SightLine, 2> lines = {SightLine{&images.left_camera,
                                                       {},
@@ -137,7 +137,7 @@ Result<> orient_absolutely(const fs::path& file, const PairImages& images, const
     if (!met)
       return fail(Errc::kIllPosed, fmt::format("{}: the rays of point {} do not meet in front of the cameras",
                                                file.string(), report.control_names[i]));
-    ControlPair pair{.in_model = met->point_in_world, .model_covariance = met->covariance};
+    AbsoluteControl pair{.in_model = met->point_in_world, .model_covariance = met->covariance};
     pair.in_ground = {ground[0][i], ground[1][i], ground[2][i]};
     pair.has_plan = pair.in_ground.head<2>().allFinite();
     pair.has_height = std::isfinite(pair.in_ground.z());
