@@ -9,6 +9,7 @@
 #include "collinea/base/options.h"
 #include "collinea/base/result.h"
 #include "collinea/base/run.h"
+#include "collinea/dense/level_point.h"
 #include "collinea/raster/raster.h"
 
 namespace collinea {
@@ -44,15 +45,6 @@ struct LevelOptions {
     visit(
         Field{"min_entropy", &O::min_entropy, "bit", "least entropy of the 9 x 9 pixels round one of those", 0, 6.34});
   }
-};
-
-/// A point of the left image of an epipolar pair, found in the right one.
-struct LevelPoint {
-  Eigen::Vector2d left_px;  ///< middle of a pixel
-  double disparity_px = 0;  ///< column left less column right
-  double row_px = 0;        ///< row right less row left: y-parallax
-  double ncc = 0;
-  double sigma_px = 0;  ///< of the disparity, by what the grey values left
 };
 
 /// What a level did.

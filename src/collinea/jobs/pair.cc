@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "collinea/base/file.h"
+#include "collinea/base/file_text.h"
 #include "collinea/cloud/ply.h"
 #include "collinea/dense/stereo.h"
 #include "collinea/epipolar/intersect.h"
@@ -23,6 +24,8 @@ namespace fs = std::filesystem;
 constexpr double kPartAround = 0.15;  // of the range of disparities, that semi-global matching looks at beyond it
 constexpr int kLineEvery = 12;        // part of the rows between two lines of the check
 constexpr int kCheckWidth_px = 2000;
+constexpr FileText kPointsRemark =
+    "homologous points; coordinates of the image files; y-parallax left by the relative orientation";
 
 // The pair resampled so that homologous points lie in one row.
 struct EpipolarImages {
@@ -153,7 +156,7 @@ Result<> orient_absolutely(const fs::path& file, const PairImages& images, const
 
 TextTable point_table(const std::vector<MatchedPoint>& points, const RelativeOrientation& orientation, int shrink) {
   TextTable table;
-  table.remarks = {"homologous points; coordinates of the image files; y-parallax left by the relative orientation"};
+  table.remarks = {std::string(kPointsRemark)};
   table.columns = {{"point", ""},     {"x_left", "px"},     {"y_left", "px"}, {"x_right", "px"},
                    {"y_right", "px"}, {"y_parallax", "px"}, {"ncc", "1"}};
   std::size_t next = 0;

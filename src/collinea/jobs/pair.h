@@ -2,53 +2,12 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 
-#include "collinea/base/options.h"
 #include "collinea/base/run.h"
-#include "collinea/dense/depth_map.h"
-#include "collinea/dense/level_matching.h"
-#include "collinea/epipolar/relative_orientation.h"
-#include "collinea/match/pair_points.h"
+#include "collinea/jobs/internal/pair_options.h"
 #include "collinea/report/pair_report.h"
 
 namespace collinea {
-
-/// How two images become a surface.
-struct PairChainOptions {
-  std::optional<double> principal_distance_px;
-  std::optional<std::string> principal_point_px;
-  std::optional<Resolution> resolution;
-  std::optional<double> base_m;
-  std::optional<std::filesystem::path> control;
-  double control_sigma_px = 0.5;
-  bool refine = true;
-  PairSurface surface = PairSurface::kLevels;
-  PairPointOptions points;
-  RelativeOptions relative;
-  LevelOptions levels;
-
-  template <class Visit>
-  static void describe(Visit&& visit) {
-    using O = PairChainOptions;
-    visit(Field{"principal_distance_px", &O::principal_distance_px, "px", "of both images, as large as their files", 1,
-                1e7});
-    visit(Field{"principal_point_px", &O::principal_point_px, "px", "column,row; nothing: the middle of the image"});
-    visit(Field{"resolution", &O::resolution, "",
-                "at which the images are worked on; nothing: the largest with at most 16 million pixels"});
-    visit(Field{"base_m", &O::base_m, "m", "distance of the projection centres, for the scale", 1e-6, 1e9});
-    visit(Field{"control", &O::control, "",
-                "text table: point X Y Z (- where not known), sigma_X sigma_Y sigma_Z [m], x_left y_left x_right "
-                "y_right [px], for the absolute orientation"}
-              .leads_to(PathKind::kFile));
-    visit(Field{"control_sigma_px", &O::control_sigma_px, "px", "of the image coordinates of control", 1e-3, 100});
-    visit(Field{"refine", &O::refine, "", "refine the points by least squares matching, and orient again"});
-    visit(Field{"surface", &O::surface, "", "how the surface is found"});
-    visit(Group{"points", &O::points});
-    visit(Group{"relative orientation", &O::relative});
-    visit(Group{"levels", &O::levels});
-  }
-};
 
 /// Two photographs to a surface (the chain of Karfis 2009, each step by the methods of its own command): interest
 /// points and their matches, relative orientation with rejection of gross errors, refinement by least squares matching

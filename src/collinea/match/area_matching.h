@@ -107,7 +107,8 @@ struct SubpixelPeak {
 /// The extremum of the paraboloid through the nine values round a candidate, by least squares (6 parameters, redundancy
 /// 3). Covariance (docs/theory/area-matching.md): with the residual sum of squares O (ssd; of ncc with the gain at the
 /// candidate) and the Hesse matrix H at its minimum 2 O / (n - 4) H^-1 + O^2 / (6 (n - 4)) H^-2; of sad pi/2 sad/n H^-1
-/// + 0.0525 sad^2/n H^-2. It holds for white noise alike in both images; what a paraboloid over whole pixels adds (up
+/// + 0.0525 sad^2/n H^-2. It holds for white noise alike in both images, that of sad as a
+/// bound (errors were 0.77 of it); what a paraboloid over whole pixels adds (up
 /// to 0.1 px) no statistics tell. Nothing at the border of the surface or without an extremum within a pixel.
 [[nodiscard]] std::optional<SubpixelPeak> subpixel_peak(const CorrelationSurface& surface,
                                                         const Eigen::Vector2i& pixel);

@@ -176,24 +176,25 @@ class Cycles {
     return sum;
   }
 
-  [[nodiscard]] Error undetermined(int model, const char* what, const char* needed) const {
-    return {Errc::kIllPosed,
-            fmt::format("{} of model {} is not determined: the block needs {}, and three points in common with other "
-                        "models",
-                        what, given_[models_[static_cast<std::size_t>(std::min(model, count() - 1))]].name, needed)};
+  [[nodiscard]] Error refused(int model, const char* what, const char* needed) const {
+    return Error{
+        Errc::kIllPosed,
+        fmt::format("{} of model {} is not determined: the block needs {}, and three points in common with other "
+                    "models",
+                    what, given_[models_[static_cast<std::size_t>(std::min(model, count() - 1))]].name, needed)};
   }
 
   Result<double> solve_plan(PairEquations& normals, long& redundant) {
     const auto coordinates = equations(true);
     const auto solved = normals.solve(coordinates, run_);
     if (solved.undetermined >= 0)
-      return tl::unexpected(undetermined(solved.undetermined, "the position in plan", "two points in plan"));
+      return tl::unexpected(refused(solved.undetermined, "the position in plan", "two points in plan"));
     for (std::size_t k = 0; k < models_.size(); ++k) {
       const Vector4d& x = solved.of_model[k];
       states_[k].a = x[0];
       states_[k].b = x[1];
       states_[k].t.head<2>() = x.tail<2>();
-      if (!(states_[k].scale() > 0)) return tl::unexpected(undetermined(int(k), "the scale", "two points in plan"));
+      if (!(states_[k].scale() > 0)) return tl::unexpected(refused(int(k), "the scale", "two points in plan"));
     }
     redundant = redundancy(coordinates, 4);
     return redundant > 0 ? std::sqrt(solved.squares / double(redundant)) : kNaN;
@@ -203,8 +204,7 @@ class Cycles {
     const auto coordinates = equations(false);
     const auto solved = normals.solve(coordinates, run_);
     if (solved.undetermined >= 0)
-      return tl::unexpected(
-          undetermined(solved.undetermined, "the height or tilt", "three heights that are not on a line"));
+      return tl::unexpected(refused(solved.undetermined, "the height or tilt", "three heights that are not on a line"));
     for (std::size_t k = 0; k < models_.size(); ++k) {
       const Vector4d& x = solved.of_model[k];
       const State& state = states_[k];

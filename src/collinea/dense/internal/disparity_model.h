@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "collinea/base/result.h"
-#include "collinea/dense/level_matching.h"
+#include "collinea/dense/level_point.h"
 #include "collinea/geometry/delaunay.h"
 
 namespace collinea {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "collinea/jobs/pair.h"
+#include "collinea/jobs/internal/pair_options.h"
 #include "collinea/raster/raster.h"
 
 namespace collinea {
