@@ -188,11 +188,11 @@ LeftOutModel left_out(const std::vector<StereoModel>& models, std::size_t m, con
           shared};
 }
 
-std::string lacking(const ControlRank& rank) {
-  return fmt::format(
-      "the control fixes {} of the 7 parameters of the block: {} of its points have a position in plan and {} a "
-      "height; two in plan and three heights that are not on a line are the least",
-      rank.rank, rank.plan, rank.heights);
+tl::unexpected<Error> lacking(const ControlRank& rank) {
+  return fail(Errc::kIllPosed,
+              fmt::format("the control fixes {} of the 7 parameters of the block: {} of its points have a position in "
+                          "plan and {} a height; two in plan and three heights that are not on a line are the least",
+                          rank.rank, rank.plan, rank.heights));
 }
 
 }  // namespace
@@ -231,7 +231,7 @@ Result<ModelChain> chain_models(const std::vector<StereoModel>& models, const st
   }
   const bool nothing = std::none_of(chain.ground_from_model.begin(), chain.ground_from_model.end(),
                                     [](const auto& one) { return one.has_value(); });
-  if (nothing) return fail(Errc::kIllPosed, lacking(rank_of(ground.pairs_of(parts.front()), {})));
+  if (nothing) return lacking(rank_of(ground.pairs_of(parts.front()), {}));
   for (const Part& part : parts)
     for (const auto& [m, unused] : part.part_from_model) chain.left_out.push_back(left_out(models, m, part, ground));
   Means means;
