@@ -177,6 +177,14 @@ TEST(ModelBlock, UnknownSigmasAreScaledBySigma0) {
               1e-6);
 }
 
+// The chain of so many models bends by more than can be linear.
+TEST(ModelBlock, LongStripsOfWeakModelsAreJoined) {
+  const TestModels made =
+      test_models({.strips = 6, .models = 25, .sigma = 0.5, .control_sigma_m = 0.02, .level = true});
+  const JoinedBlock block = joined(made);
+  EXPECT_NEAR(block.sigma0, 1, 0.1);
+}
+
 TEST(ModelBlock, AGrossErrorHasTheLargestTest) {
   TestModels made = test_models({.sigma = 0.05, .control_sigma_m = 0.03, .level = true});
   made.models[2].points[1].position.z() += 2.0 / made.ground_from_model[2].scale;
@@ -222,6 +230,13 @@ TEST(ModelBlock, DegenerateBlocksAreNamed) {
   TestModels made = test_models({.sigma = 0.05});
   made.control.resize(1);
   EXPECT_NE(error_of(made).find("fixes 3 of the 7"), std::string::npos);
+  made = test_models({.strips = 1, .models = 1});
+  made.control.clear();
+  EXPECT_NE(error_of(made).find("single model"), std::string::npos);
+  made = test_models({.strips = 1, .models = 2, .centres = false});
+  made.control.clear();
+  made.models[1].points.erase(made.models[1].points.begin());
+  EXPECT_NE(error_of(made).find("no two models"), std::string::npos);
   made = test_models({.sigma = 0.05});
   made.models[0].points.push_back(made.models[0].points[0]);
   EXPECT_NE(error_of(made).find("twice"), std::string::npos);

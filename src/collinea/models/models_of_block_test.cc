@@ -86,7 +86,7 @@ TEST(ModelsOfBlock, ExactMeasurementsGiveTheTruth) {
 // One model by itself has no image in common with another: its covariance is that of the whole pair.
 TEST(ModelsOfBlock, CovarianceOfAPairTellsTheTruth) {
   double sum = 0, within = 0, count = 0;
-  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     const Strip made = strip(seed, 2);
     const auto formed = models_of_block(made.block, model_pairs(made.block, {}), {}, true, {});
     ASSERT_TRUE(formed) << formed.error().message;
@@ -101,8 +101,8 @@ TEST(ModelsOfBlock, CovarianceOfAPairTellsTheTruth) {
       ++count;
     }
   }
-  EXPECT_NEAR(sum / count, 1, 0.1);
-  EXPECT_NEAR(within / count, 0.95, 0.02);
+  EXPECT_NEAR(sum / count, 1, 0.15);  // three points share a pair: about 100 independent values of 3
+  EXPECT_NEAR(within / count, 0.95, 0.04);
 }
 
 TEST(ModelsOfBlock, WhatMakesNoModelIsNamed) {
