@@ -63,7 +63,7 @@ TEST(ModelBlock, CountsAreThoseOfTheText) {
 
 // Chi-squared of estimate minus truth, the chance of v'Pv, and tests that exceed their limit.
 struct Truths {
-  double sum = 0, within = 0, squares = 0, parameters = 0, beyond = 0, tested = 0;
+  double sum = 0, within = 0, squares = 0, parameters = 0, beyond = 0, tested = 0, checks = 0;
 };
 
 Truths truths(TestModelsOptions o, const std::vector<std::string>& names, int seeds) {
@@ -80,6 +80,8 @@ Truths truths(TestModelsOptions o, const std::vector<std::string>& names, int se
       found.within += (fisher_tail(chi_squared / 3, 3, INFINITY) > 0.05 ? 1.0 : 0.0) / double(names.size());
     }
     found.squares += block.squares / double(block.redundancy());
+    const JoinedControl& check = block.control.back();
+    found.checks += check.difference.cwiseQuotient(check.sigma).squaredNorm() / 3 / seeds;
     const JoinedModel& model = *block.models[1];
     const Similarity3& truth = made.ground_from_model[1];
     const OmegaPhiKappa angles = omega_phi_kappa((truth.rotation * Eigen::Quaterniond(0, 1, 0, 0)).conjugate());
@@ -114,6 +116,7 @@ void expect_true(const Truths& found) {
   EXPECT_NEAR(found.within, 0.95, 0.02);
   EXPECT_NEAR(found.squares, 1, 0.05);  // four of its standard deviations
   EXPECT_NEAR(found.parameters, 1, 0.1);
+  EXPECT_NEAR(found.checks, 1, 0.2);  // four standard deviations of a mean over 300
   EXPECT_NEAR(found.beyond / found.tested, 0.05, 0.01);
 }
 
