@@ -106,7 +106,7 @@ double base_plane_roughness(const std::vector<Eigen::Vector2d>& across) {
 // Conditioning of the elements of a dependent pair; of the changes themselves where these elements are singular.
 void set_conditioning(const Rigid3& motion, const Matrix5& of_change, PairShape& shape) {
   Matrix5 normal = of_change;
-  if (const auto elements = dependent_elements(motion); elements && std::abs(base_in_first(motion).x()) > 0.05) {
+  if (const auto elements = dependent_elements(motion); elements && std::abs(base_in_first(motion).x()) > 0.2) {
     const Matrix5 by = dependent_by_change(motion).inverse();
     normal = by.transpose() * of_change * by;
   } else {

@@ -166,7 +166,8 @@ void set_statistics(std::span<const PairPoint> points, Adjustment& work, Relativ
         -variances_of(points[i]).cwiseProduct(equation.by_coordinates) * (equation.misclosure / equation.variance);
     residual.first = v.head<2>();
     residual.second = v.tail<2>();
-    residual.y_parallax = std::copysign(v.head<2>().norm() + v.tail<2>().norm(), equation.misclosure);
+    residual.y_parallax = std::copysign(v.head<2>().norm() + v.tail<2>().norm(),
+                                        at.base.x() < 0 ? -equation.misclosure : equation.misclosure);
     residual.redundancy = equation.used ? std::clamp(variance / equation.variance, 0.0, 1.0) : 1;
     residual.largest = longest(points[i], v);
     const double least = 1e-9 * equation.variance;
@@ -180,8 +181,14 @@ void set_statistics(std::span<const PairPoint> points, Adjustment& work, Relativ
   out.sigma0 = out.redundancy > 0 ? std::sqrt(squares / out.redundancy) : 0;
 }
 
+// Of many points tau follows from Student's t, whose limit takes microseconds; tau_limit() sums a term for each degree
+// of freedom, milliseconds for a thousand of them.
 double critical_value(const RelativeOptions& options, double redundancy) {
-  return options.sigma_known ? normal_limit(options.alpha) : tau_limit(options.alpha, std::lround(redundancy));
+  constexpr double kMany = 50;
+  if (options.sigma_known) return normal_limit(options.alpha);
+  if (redundancy < kMany) return tau_limit(options.alpha, std::lround(redundancy));
+  const double t = student_limit(options.alpha, redundancy - 1);
+  return std::sqrt(redundancy) * t / std::sqrt(redundancy - 1 + t * t);
 }
 
 // How far beyond its limit a point is: above 1 it is to be rejected.
@@ -313,9 +320,13 @@ std::array<RelativeSolution, 4> relative_solutions(const Rigid3& second_from_fir
   std::array<RelativeSolution, 4> out;
   for (std::size_t k = 0; k < 4; ++k) {
     out[k].second_from_first = four[k];
+    const Eigen::Matrix3d first_from_second = four[k].rotation.toRotationMatrix().transpose();
+    const Eigen::Vector3d base = base_in_first(four[k]);
     for (const PairPoint& point : points) {
-      const RayMeeting at = meeting(four[k], point.first, point.second);
-      out[k].in_front += at.depth_first > 0 && at.depth_second > 0;
+      // Signs of the distances along both rays where they come nearest to each other.
+      const Eigen::Vector3d first = point.first.homogeneous(), second = first_from_second * point.second.homogeneous();
+      const Eigen::Vector3d normal = first.cross(second);
+      out[k].in_front += base.cross(second).dot(normal) > 0 && base.cross(first).dot(normal) > 0;
     }
   }
   std::stable_sort(out.begin(), out.end(),

@@ -64,9 +64,9 @@ struct RelativeOptions {
 /// A measured point after the orientation.
 struct PairResidual {
   Eigen::Vector2d first = {0, 0}, second = {0, 0};  ///< adjusted minus observed; of rejected points what it would take
-  double y_parallax = 0;  ///< by how much the rays miss each other, across the base at image scale (for a base along x
-                          ///< y2 - y1 of photographs, y up)
-  double redundancy = 0;  ///< share of an error that shows in the residual; of rejected points 1
+  double y_parallax = 0;  ///< by how much the rays miss each other, across the base at image scale (for a base along
+                          ///< +-x y2 - y1 of photographs, y up)
+  double redundancy = 0;    ///< share of an error that shows in the residual; of rejected points 1
   double standardised = 0;  ///< the residual over its standard deviation by the sigmas as given; all four are alike
   double largest = 0;       ///< the longer residual of the two images over the sigma of its coordinates
   bool used = true;

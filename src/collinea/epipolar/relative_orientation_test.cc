@@ -12,6 +12,7 @@
 #include "collinea/epipolar/model_points.h"
 #include "collinea/epipolar/relative_search.h"
 #include "collinea/epipolar/scene_for_tests.h"
+#include "collinea/math/quantiles.h"
 
 namespace collinea {
 namespace {
@@ -256,6 +257,16 @@ TEST(RelativeOrientation, CovariancesOfWeightsByDistributionMatchTheRealErrors) 
     EXPECT_NEAR(sum / kSeeds / 5, 1, 0.1);
     EXPECT_NEAR(sum_sigma / kSeeds, 1, 0.05);
   }
+}
+
+TEST(RelativeOrientation, TheLimitOfManyPointsIsPopesTau) {
+  Random random(11);
+  const auto points = measured(vertical_motion(random), 100, kSigma, random, ground_point);
+  RelativeOptions options = options_of(PairStart::kLinear);
+  options.sigma_known = false;
+  const auto found = relative_orientation(points, options, 1);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->limit, tau_limit(options.alpha, 95), 1e-7);
 }
 
 TEST(RelativeOrientation, RefusesWhatItCannotSolve) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/jobs/relative.h"
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,38 @@ Result<> read_points(const TextTable& table, const RelativePairOptions& options,
   return {};
 }
 
+Result<int> index_of(const RelativeReport& report, const std::string& name) {
+  const auto found = std::find(report.names.begin(), report.names.end(), name);
+  if (found == report.names.end()) return fail(Errc::kNotFound, "point " + name + " is not among those measured");
+  return static_cast<int>(found - report.names.begin());
+}
+
+// Distances of a table; orientation, base and model become those that they leave.
+Result<> scale_by(const TextTable& table, RelativeReport& report) {
+  COLLINEA_TRY(const auto from, table.words("from"));
+  COLLINEA_TRY(const auto to, table.words("to"));
+  COLLINEA_TRY(const auto lengths, table.numbers("distance", "m"));
+  COLLINEA_TRY(const auto sigmas, table.numbers("sigma", "m"));
+  std::vector<PairDistance> distances;
+  for (std::size_t k = 0; k < from.size(); ++k) {
+    COLLINEA_TRY(const int first, index_of(report, from[k]));
+    COLLINEA_TRY(const int second, index_of(report, to[k]));
+    distances.push_back({first, second, lengths[k], sigmas[k]});
+    report.distances.push_back({from[k], to[k], lengths[k], sigmas[k]});
+  }
+  report.scaled = scaled_pair(report.orientation, report.points, distances, true);
+  if (!report.scaled)
+    return fail(Errc::kBadInput,
+                "the distances give no scale: each needs two points of the model, a length and a sigma");
+  RelativeOrientation& orientation = report.orientation;
+  orientation.second_from_first = report.scaled->second_from_first;
+  orientation.covariance = report.scaled->covariance.topLeftCorner<5, 5>() / orientation.variance_factor;
+  report.model = report.scaled->model;
+  report.base = report.scaled->base;
+  report.base_is_given = true;
+  return {};
+}
+
 Result<> write_tables(const RelativeReport& report, const fs::path& folder) {
   COLLINEA_TRY(write_file(folder / "parameters.txt", text_of(relative_parameter_table(report))));
   COLLINEA_TRY(write_file(folder / "residuals.txt", text_of(relative_residual_table(report))));
@@ -54,6 +87,8 @@ Result<RelativeReport> orient_pair(const fs::path& measurements, const RelativeP
   COLLINEA_TRY(read_points(table, options, report).map_error(in_file));
   report.options = options.adjustment;
   report.options.sigma_known = report.sigma_is_given && !options.estimate_sigma;
+  if (options.base_m && options.distances)
+    return fail(Errc::kBadInput, "the base is given, and by distances", {"base_m"_option, "distances"_option});
   report.base_is_given = options.base_m.has_value();
   report.base = options.base_m.value_or(1);
   COLLINEA_TRY(report.orientation,
@@ -63,6 +98,11 @@ Result<RelativeReport> orient_pair(const fs::path& measurements, const RelativeP
     if (report.orientation.residuals[i].used) used.push_back(report.points[i]);
   report.shape = pair_shape(report.orientation.second_from_first, used, report.orientation.normal);
   report.model = model_points(report.orientation, report.points, report.base, true);
+  if (options.distances) {
+    const auto in_distances = [&](Error e) { return std::move(e).within(options.distances->string()); };
+    COLLINEA_TRY(const TextTable distances, read_text_table(*options.distances));
+    COLLINEA_TRY(scale_by(distances, report).map_error(in_distances));
+  }
   if (options.out) COLLINEA_TRY(write_tables(report, *options.out));
   return report;
 }

@@ -19,6 +19,7 @@ struct RelativePairOptions {
   std::optional<double> sigma = {};
   bool estimate_sigma = false;
   std::optional<double> base_m = {};
+  std::optional<std::filesystem::path> distances = {};
   std::uint64_t seed = 1;
   std::optional<std::filesystem::path> out = {};
 
@@ -35,6 +36,9 @@ struct RelativePairOptions {
     visit(Part{&O::adjustment});
     visit(Field{"base_m", &O::base_m, "m", "length of the base; nothing: model coordinates are in units of the base",
                 1e-9, 1e9});
+    visit(Field{"distances", &O::distances, "",
+                "table of distances measured between points: from to distance[m] sigma[m]; they give the base"}
+              .leads_to(PathKind::kFile));
     visit(Field{"seed", &O::seed, "", "of the samples of the robust start: same seed, same result"});
     visit(Field{"out", &O::out, "",
                 "folder for the tables (parameters, residuals, model coordinates, exterior orientation) and the "

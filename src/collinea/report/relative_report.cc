@@ -15,6 +15,7 @@
 namespace collinea {
 namespace {
 
+constexpr double kFront = 0.9, kManyRejected = 0.2;  // shares of the points
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 // One element of the orientation, in the unit for people.
@@ -122,6 +123,12 @@ std::string elements_text(const RelativeReport& report) {
   text += "symmetric pair (independent), omega1 = 0:\n" + list_text(symmetric_list(s), s.covariance);
   text += fmt::format("of the four solutions this one has {} of {} points in front of both images\n",
                       report.orientation.in_front, report.orientation.used);
+  const RelativeOrientation& o = report.orientation;
+  if (o.in_front < kFront * o.used)
+    text += "wrong: rays of many points meet behind an image. The points are not those of two views of one object\n";
+  if (static_cast<double>(o.rejected.size()) > kManyRejected * static_cast<double>(report.points.size()))
+    text += fmt::format("weak: {} of {} points are rejected; look at the measurements\n", o.rejected.size(),
+                        report.points.size());
   return text;
 }
 
@@ -229,12 +236,27 @@ std::string shape_text(const RelativeReport& report) {
   return text;
 }
 
+std::string distances_text(const RelativeReport& report) {
+  if (!report.scaled) return "";
+  const ScaledPair& pair = *report.scaled;
+  std::string text = fmt::format("base by {} distances: {:.4f} m, sigma {:.4f} m", pair.residuals.size(), pair.base,
+                                 std::sqrt(pair.covariance(5, 5)));
+  text += pair.redundancy > 0 ? fmt::format("; sigma0 of the distances {:.2f}\n", pair.sigma0)
+                              : std::string("; nothing checks it\n");
+  for (std::size_t k = 0; k < report.distances.size(); ++k) {
+    const RelativeReport::Distance& d = report.distances[k];
+    text += fmt::format("  {:<10} {:<10}{:>12.4f} m   residual {:>9.4f} m   test {:>6.2f}\n", d.from, d.to, d.length_m,
+                        pair.residuals[k], pair.standardised[k]);
+  }
+  return text;
+}
+
 std::string value(double v) { return fmt::format("{:.9g}", v); }
 
 }  // namespace
 
 std::string relative_text(const RelativeReport& report) {
-  return head(report) + elements_text(report) + residuals_text(report) + shape_text(report);
+  return head(report) + elements_text(report) + residuals_text(report) + distances_text(report) + shape_text(report);
 }
 
 TextTable relative_parameter_table(const RelativeReport& report) {

@@ -9,6 +9,7 @@
 #include "collinea/epipolar/pair_point.h"
 #include "collinea/epipolar/pair_shape.h"
 #include "collinea/epipolar/relative_orientation.h"
+#include "collinea/epipolar/scaled_pair.h"
 #include "collinea/io/photo_frame.h"
 #include "collinea/io/text_table.h"
 
@@ -27,6 +28,12 @@ struct RelativeReport {
   RelativeOrientation orientation;
   std::optional<PairShape> shape;
   PairModel model;  ///< x right, y up, z backwards
+  struct Distance {
+    std::string from, to;
+    double length_m = 0, sigma_m = 0;
+  };
+  std::vector<Distance> distances;   ///< measured on the object
+  std::optional<ScaledPair> scaled;  ///< by them; orientation, base and model are those of it
 };
 
 /// For a terminal: elements with standard deviations and correlations, residuals, tests, the geometry of the pair.
