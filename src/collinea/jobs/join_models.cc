@@ -38,7 +38,8 @@ Result<std::vector<std::pair<ImageId, ImageId>>> pairs_of(const Block& block, co
   for (std::size_t i = 0; i < left.size(); ++i) {
     for (const std::string& name : {left[i], right[i]})
       if (!ids.contains(name))
-        return tl::unexpected(with_nearest(Error{Errc::kNotFound, "there is no image " + name, {}}, name, names));
+        return tl::unexpected(
+            with_nearest(Error{Errc::kNotFound, fmt::format("{}: no such image", name), {}}, name, names));
     if (left[i] == right[i]) return fail(Errc::kBadInput, "an image makes no pair with itself: " + left[i]);
     pairs.emplace_back(ids[left[i]], ids[right[i]]);
   }

@@ -12,6 +12,7 @@
 #include "collinea/geometry/rotation.h"
 #include "collinea/math/fisher.h"
 #include "collinea/math/quantiles.h"
+#include "collinea/models/internal/better_start.h"
 #include "collinea/models/internal/block_normals.h"
 
 namespace collinea {
@@ -23,6 +24,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
+constexpr double kLeastChecked = 0.005;    // the same of a test in a model: exact coordinates of its frame have none
 constexpr double kLeastRedundancy = 1e-6;  // below it nothing checks a coordinate
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -85,7 +87,8 @@ class Examination {
         test.residual = n.reduced_obs[row];
         test.redundancy = numbers[row];
         const double variance = checked(row, row);
-        if (variance > kLeastRedundancy * n.weight(row, row)) test.w = weighted[row] / std::sqrt(variance);
+        if (variance > kLeastRedundancy * n.weight(row, row) && numbers[row] > kLeastChecked)
+          test.w = weighted[row] / std::sqrt(variance);
       }
     }
     out.redundancy = numbers.sum();
@@ -203,6 +206,7 @@ Result<JoinedBlock> join_models(const std::vector<StereoModel>& models, const st
   std::vector<SurveyedPoint> near = control;
   for (SurveyedPoint& point : near) point.position -= origin;
   COLLINEA_TRY(ModelChain chain, chain_models(models, near));
+  chain = better_start(models, near, std::move(chain), run);
   BlockNormals normals(models, near, std::move(chain), run);
   COLLINEA_TRY(const int steps, normals.settle(options.most_steps));
   COLLINEA_TRY(JoinedBlock block, Examination(models, near, options, normals).examine());

@@ -85,6 +85,7 @@ struct JoinedBlock {
 /// inverse. The covariance of a model may be singular by what its frame was chosen for (projection centre in the
 /// origin, unit base): the seven free parameters make any such choice harmless.
 ///
+/// Approximate values are those of the chain (chain_models()) or, where models agree better after it, of Anblock.
 /// Without control the frame is that of the model `chain.reference`, whose seven parameters are held.
 ///
 /// What is correlated between models (an image that serves two of them) is not in the model: see

@@ -63,7 +63,7 @@ TEST(ModelBlock, CountsAreThoseOfTheText) {
 
 // Chi-squared of estimate minus truth, the chance of v'Pv, and tests that exceed their limit.
 struct Truths {
-  double sum = 0, within = 0, squares = 0, parameters = 0, beyond = 0, tested = 0;
+  double sum = 0, within = 0, squares = 0, parameters = 0, beyond = 0, tested = 0, checks = 0;
 };
 
 Truths truths(TestModelsOptions o, const std::vector<std::string>& names, int seeds) {
@@ -80,6 +80,8 @@ Truths truths(TestModelsOptions o, const std::vector<std::string>& names, int se
       found.within += (fisher_tail(chi_squared / 3, 3, INFINITY) > 0.05 ? 1.0 : 0.0) / double(names.size());
     }
     found.squares += block.squares / double(block.redundancy());
+    const JoinedControl& check = block.control.back();
+    found.checks += check.difference.cwiseQuotient(check.sigma).squaredNorm() / 3 / seeds;
     const JoinedModel& model = *block.models[1];
     const Similarity3& truth = made.ground_from_model[1];
     const OmegaPhiKappa angles = omega_phi_kappa((truth.rotation * Eigen::Quaterniond(0, 1, 0, 0)).conjugate());
@@ -114,6 +116,7 @@ void expect_true(const Truths& found) {
   EXPECT_NEAR(found.within, 0.95, 0.02);
   EXPECT_NEAR(found.squares, 1, 0.05);  // four of its standard deviations
   EXPECT_NEAR(found.parameters, 1, 0.1);
+  EXPECT_NEAR(found.checks, 1, 0.2);  // four standard deviations of a mean over 300
   EXPECT_NEAR(found.beyond / found.tested, 0.05, 0.01);
 }
 
@@ -177,6 +180,14 @@ TEST(ModelBlock, UnknownSigmasAreScaledBySigma0) {
               1e-6);
 }
 
+// The chain of so many models bends by more than can be linear.
+TEST(ModelBlock, LongStripsOfWeakModelsAreJoined) {
+  const TestModels made =
+      test_models({.strips = 6, .models = 25, .sigma = 0.5, .control_sigma_m = 0.02, .level = true});
+  const JoinedBlock block = joined(made);
+  EXPECT_NEAR(block.sigma0, 1, 0.1);
+}
+
 TEST(ModelBlock, AGrossErrorHasTheLargestTest) {
   TestModels made = test_models({.sigma = 0.05, .control_sigma_m = 0.03, .level = true});
   made.models[2].points[1].position.z() += 2.0 / made.ground_from_model[2].scale;
@@ -222,6 +233,13 @@ TEST(ModelBlock, DegenerateBlocksAreNamed) {
   TestModels made = test_models({.sigma = 0.05});
   made.control.resize(1);
   EXPECT_NE(error_of(made).find("fixes 3 of the 7"), std::string::npos);
+  made = test_models({.strips = 1, .models = 1});
+  made.control.clear();
+  EXPECT_NE(error_of(made).find("single model"), std::string::npos);
+  made = test_models({.strips = 1, .models = 2, .centres = false});
+  made.control.clear();
+  made.models[1].points.erase(made.models[1].points.begin());
+  EXPECT_NE(error_of(made).find("no two models"), std::string::npos);
   made = test_models({.sigma = 0.05});
   made.models[0].points.push_back(made.models[0].points[0]);
   EXPECT_NE(error_of(made).find("twice"), std::string::npos);

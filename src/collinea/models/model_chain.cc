@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -70,15 +71,60 @@ struct Part {
 };
 
 template <class Known>
-std::optional<Similarity3> joined(const StereoModel& model, const Known& known, int* shared) {
+std::optional<Similarity3> joined(const StereoModel& model, const Known& known) {
   std::vector<Vector3d> in_model, in_part;
   for (const NamedPoint& point : model.points)
     if (known.has(point.name)) {
       in_model.push_back(point.position);
       in_part.push_back(known.at(point.name));
     }
-  *shared = static_cast<int>(in_model.size());
   return align(in_model, in_part);
+}
+
+// Whether a point is in a model, and where.
+class PointsOf {
+ public:
+  explicit PointsOf(const StereoModel& model) {
+    for (const NamedPoint& point : model.points) positions_[point.name] = &point.position;
+  }
+  [[nodiscard]] bool has(const std::string& name) const { return positions_.contains(name); }
+  [[nodiscard]] const Vector3d& at(const std::string& name) const { return *positions_.at(name); }
+
+ private:
+  std::map<std::string, const Vector3d*> positions_;
+};
+
+// How well shared points fix the attitude of a model: the second axis of their spread (about the first one it turns
+// most easily), summed over them, in squares of the model's own extent.
+double strength_of(const StereoModel& model, const PointsOf& known) {
+  Vector3d centre = Vector3d::Zero(), middle = Vector3d::Zero();
+  double shared = 0, extent_squared = 0;
+  for (const NamedPoint& point : model.points) {
+    middle += point.position / double(model.points.size());
+    if (!known.has(point.name)) continue;
+    centre += point.position;
+    ++shared;
+  }
+  if (shared < 3) return 0;
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const NamedPoint& point : model.points) {
+    extent_squared += (point.position - middle).squaredNorm() / double(model.points.size());
+    const Vector3d reduced = point.position - centre / shared;
+    if (known.has(point.name)) scatter += reduced * reduced.transpose();
+  }
+  const Vector3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter, Eigen::EigenvaluesOnly).eigenvalues();
+  return extent_squared > 0 ? axes[1] / extent_squared : 0;
+}
+
+// By what a model hangs on a part: on one of its models, or (strength 0) on points of several.
+struct Hold {
+  double strength = 0;
+  std::size_t partner = 0;
+};
+
+Similarity3 operator*(const Similarity3& c_from_b, const Similarity3& b_from_a) {
+  return {c_from_b.scale * b_from_a.scale, (c_from_b.rotation * b_from_a.rotation).normalized(),
+          c_from_b * b_from_a.translation};
 }
 
 class Concatenation {
@@ -117,33 +163,43 @@ class Concatenation {
     return best;
   }
 
+  // The tree of the strongest links between two models (Prim 1957). A model is joined to one other where that is
+  // enough: errors then add up along the tree, while points that several models have carried on would multiply them
+  // from strip to strip.
   Part grown(std::size_t first) {
     Part part;
-    std::map<std::size_t, int> shared;  // of open models, an upper bound: points count once for each neighbour
+    std::map<std::size_t, Hold> holds;  // of open models that share points with the part
     const auto take = [&](std::size_t m, const Similarity3& part_from_model) {
       part.part_from_model[m] = part_from_model;
       part.means.add(models_[m], part_from_model);
       open_[m] = false;
-      shared.erase(m);
-      for (const auto& [other, count] : links_[m])
-        if (open_[other]) shared[other] += count;
+      holds.erase(m);
+      const PointsOf points(models_[m]);
+      for (const auto& [other, count] : links_[m]) {
+        if (!open_[other]) continue;
+        Hold& hold = holds[other];
+        const double strength = strength_of(models_[other], points);
+        if (strength > hold.strength) hold = {strength, m};
+      }
     };
     take(first, {});
-    for (bool grew = true; grew;) {
-      grew = false;
-      std::vector<std::pair<int, std::size_t>> order;
-      for (const auto& [m, count] : shared) order.emplace_back(-count, m);
-      std::sort(order.begin(), order.end());
-      for (const auto& [count, m] : order) {
-        int points = 0;
-        const auto part_from_model = joined(models_[m], part.means, &points);
-        if (!part_from_model) continue;
-        take(m, *part_from_model);
-        grew = true;
-        break;
-      }
-    }
+    while (const auto next = strongest(part, holds)) take(next->first, next->second);
     return part;
+  }
+
+  [[nodiscard]] std::optional<std::pair<std::size_t, Similarity3>> strongest(
+      const Part& part, const std::map<std::size_t, Hold>& holds) const {
+    std::vector<std::pair<double, std::size_t>> order;
+    for (const auto& [m, hold] : holds) order.emplace_back(-hold.strength, m);
+    std::sort(order.begin(), order.end());
+    for (const auto& [minus_strength, m] : order) {
+      const Hold& hold = holds.at(m);
+      if (hold.strength > 0)
+        if (const auto partner_from_model = joined(models_[m], PointsOf(models_[hold.partner])))
+          return std::pair(m, part.part_from_model.at(hold.partner) * *partner_from_model);
+      if (const auto part_from_model = joined(models_[m], part.means)) return std::pair(m, *part_from_model);
+    }
+    return std::nullopt;
   }
 
   const std::vector<StereoModel>& models_;
@@ -167,9 +223,7 @@ struct Ground {
   void take(ModelChain& chain, const std::vector<StereoModel>& models, const Part& part,
             const Similarity3& ground_from_part) {
     for (const auto& [m, part_from_model] : part.part_from_model)
-      chain.ground_from_model[m] = Similarity3{ground_from_part.scale * part_from_model.scale,
-                                               (ground_from_part.rotation * part_from_model.rotation).normalized(),
-                                               ground_from_part * part_from_model.translation};
+      chain.ground_from_model[m] = ground_from_part * part_from_model;
     Means means;
     for (const auto& [m, unused] : part.part_from_model) means.add(models[m], *chain.ground_from_model[m]);
     for (const auto& [name, position] : means.all())
@@ -188,13 +242,11 @@ LeftOutModel left_out(const std::vector<StereoModel>& models, std::size_t m, con
           shared};
 }
 
-Error refused(const ControlRank& rank) {
-  return Error{
-      Errc::kIllPosed,
-      fmt::format(
-          "the control fixes {} of the 7 parameters of the block: {} of its points have a position in plan and {} a "
-          "height; two in plan and three heights that are not on a line are the least",
-          rank.rank, rank.plan, rank.heights)};
+tl::unexpected<Error> lacking(const ControlRank& rank) {
+  return fail(Errc::kIllPosed,
+              fmt::format("the control fixes {} of the 7 parameters of the block: {} of its points have a position in "
+                          "plan and {} a height; two in plan and three heights that are not on a line are the least",
+                          rank.rank, rank.plan, rank.heights));
 }
 
 }  // namespace
@@ -215,6 +267,10 @@ Result<ModelChain> chain_models(const std::vector<StereoModel>& models, const st
   }
   chain.on_ground = !ground.known.empty();
   chain.reference = parts.front().part_from_model.begin()->first;
+  if (!chain.on_ground && parts.front().part_from_model.size() < 2)
+    return fail(Errc::kIllPosed, models.size() == 1
+                                     ? "a single model without control: there is nothing to join it with"
+                                     : "no two models have three points in common that are not on a line");
   if (!chain.on_ground) {
     const Similarity3 part_from_first = parts.front().part_from_model.at(chain.reference);
     ground.take(chain, models, parts.front(), inverse(part_from_first));
@@ -233,7 +289,7 @@ Result<ModelChain> chain_models(const std::vector<StereoModel>& models, const st
   }
   const bool nothing = std::none_of(chain.ground_from_model.begin(), chain.ground_from_model.end(),
                                     [](const auto& one) { return one.has_value(); });
-  if (nothing) return tl::unexpected(refused(rank_of(ground.pairs_of(parts.front()), {})));
+  if (nothing) return lacking(rank_of(ground.pairs_of(parts.front()), {}));
   for (const Part& part : parts)
     for (const auto& [m, unused] : part.part_from_model) chain.left_out.push_back(left_out(models, m, part, ground));
   Means means;

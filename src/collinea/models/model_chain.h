@@ -36,11 +36,13 @@ struct ModelChain {
   std::size_t reference = 0;
 };
 
-/// Concatenates models (Mussio 3.3.5): begins with the model that shares most points, brings to it, one after another,
-/// the model that has most points in common with what is already there (three that are not on a line, at least) by
-/// least squares, and gives the chain its absolute orientation by control (control_similarity()). What hangs together
-/// apart from it is a chain of its own, which is oriented by its own control and by the points that it shares with what
-/// is on the ground. Without any control the frame of the first model remains.
+/// Concatenates models (Mussio 3.3.5) along the tree of the strongest links: begins with the model that shares most
+/// points and brings to it, one after another, the model that is best fixed by the points that it has in common with
+/// one that is there (by the second axis of their spread; three that are not on a line, at least), by least squares. A
+/// model that none of them fixes is joined to the points of all. The chain gets its absolute orientation by control
+/// (control_similarity()). What hangs together apart from it is a chain of its own, which is oriented by its own
+/// control and by the points that it shares with what is on the ground. Without any control the frame of the first
+/// model remains.
 ///
 /// Errors: kBadInput (no model; a name twice in a model; coordinates that are no numbers); kIllPosed: no two models can
 /// be joined, or there is control but it does not fix the block, with what is missing.

@@ -94,9 +94,11 @@ std::string sigma0_text(const ModelsReport& report) {
     text += ": all standard deviations are multiplied by it\n";
   else
     text += fmt::format(": {} (chance of so much or more {:.2g})\n",
-                        block.chance < report.false_alarm       ? "residuals are larger than the sigmas allow"
-                        : block.chance > 1 - report.false_alarm ? "residuals are smaller than the sigmas say"
-                                                                : "residuals agree with the sigmas",
+                        block.chance < report.false_alarm        ? "residuals are larger than the sigmas allow"
+                        : block.chance <= 1 - report.false_alarm ? "residuals agree with the sigmas"
+                        : report.pairs.empty()
+                            ? "residuals are smaller than the sigmas say"
+                            : "residuals are smaller than the sigmas say, as those of models with images in common are",
                         block.chance);
   return text;
 }
