@@ -2,7 +2,6 @@
 #include "collinea/dense/level_matching.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 
@@ -10,6 +9,7 @@
 #include "collinea/dense/internal/disparity_model.h"
 #include "collinea/dense/internal/row_correlation.h"
 #include "collinea/feature/interest.h"
+#include "collinea/feature/texture.h"
 #include "collinea/math/median.h"
 
 namespace collinea {
@@ -21,6 +21,7 @@ constexpr std::size_t kNeighbours = 16;  // that a spike is judged by
 constexpr double kSpike = 3;             // robust standard deviations
 constexpr double kLeastScatter_px = 0.5;
 constexpr int kMostPoints = 2'000'000;
+constexpr int kEntropySide_px = 9;
 constexpr std::size_t kBlock = 64;  // points of a piece of work
 
 // Everything a level needs to match points.
@@ -94,15 +95,12 @@ std::vector<Eigen::Vector2i> interest_pixels(const GreyImage& image, const Float
   return pixels;
 }
 
-std::vector<Eigen::Vector2i> grid_pixels(const GreyImage& image, int step, double min_entropy, const Run& run) {
-  std::vector<std::vector<Eigen::Vector2i>> rows(std::size_t(std::max(image.height / step, 0)));
-  parallel_for(run, rows.size(), [&](std::size_t i) {
-    const int row = int(i) * step + step / 2;
-    for (int column = step / 2; column < image.width; column += step)
-      if (image.at(column, row) != 0 && entropy_at(image, column, row) > min_entropy) rows[i].emplace_back(column, row);
-  });
+std::vector<Eigen::Vector2i> grid_pixels(const GreyImage& image, int step, double min_entropy) {
+  const FloatImage entropy = entropy_of(image, kEntropySide_px);
   std::vector<Eigen::Vector2i> pixels;
-  for (const auto& row : rows) pixels.insert(pixels.end(), row.begin(), row.end());
+  for (int row = step / 2; row < image.height; row += step)
+    for (int column = step / 2; column < image.width; column += step)
+      if (image.at(column, row) != 0 && double(entropy.at(column, row)) > min_entropy) pixels.emplace_back(column, row);
   return pixels;
 }
 
@@ -118,24 +116,14 @@ std::vector<double> thresholds_of(const LevelOptions& options) {
 
 }  // namespace
 
-double entropy_at(const GreyImage& image, int column, int row, int half) {
-  std::array<std::uint16_t, 256> counts{};
-  int pixels = 0;
-  for (int y = std::max(row - half, 0); y <= std::min(row + half, image.height - 1); ++y)
-    for (int x = std::max(column - half, 0); x <= std::min(column + half, image.width - 1); ++x, ++pixels)
-      ++counts[image.at(x, y)];
-  double entropy = 0;
-  for (const std::uint16_t count : counts)
-    if (count > 0) entropy -= double(count) / pixels * std::log2(double(count) / pixels);
-  return entropy;
-}
-
 std::vector<LevelPoint> without_spikes(std::vector<LevelPoint> points) {
   while (points.size() > kNeighbours) {
-    const DisparityNeighbours neighbours(points);
+    const PlaneSquares squares(left_positions(points));
     std::vector<LevelPoint> kept;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      std::vector<double> around = neighbours.disparities(i, kNeighbours);
+      std::vector<double> around;
+      for (const std::size_t k : squares.nearest(points[i].left_px, kNeighbours))
+        around.push_back(points[k].disparity_px);
       const double middle = median(around);
       for (double& value : around) value = std::abs(value - middle);
       const double scatter = std::max(1.4826 * median(around), kLeastScatter_px);
@@ -180,7 +168,7 @@ Result<LevelSurface> match_by_levels(const GreyImage& left, const GreyImage& rig
     run.report("levels", double(i + 1) / double(thresholds.size() + (options.grid_px > 0)));
   }
   if (options.grid_px > 0) {
-    COLLINEA_TRY(level(grid_pixels(left, options.grid_px, options.min_entropy, run), 0, options.grid_template_px));
+    COLLINEA_TRY(level(grid_pixels(left, options.grid_px, options.min_entropy), 0, options.grid_template_px));
   }
   return surface;
 }

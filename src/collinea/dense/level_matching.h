@@ -81,8 +81,4 @@ struct LevelSurface {
 /// Those that are no spikes: see match_by_levels().
 [[nodiscard]] std::vector<LevelPoint> without_spikes(std::vector<LevelPoint> points);
 
-/// The entropy [bit] of the grey values in the square of 2 half + 1 pixels round a pixel, as far as it lies in the
-/// image: - sum p log2 p. At most log2 of the number of pixels (9 x 9: 6.34).
-[[nodiscard]] double entropy_at(const GreyImage& image, int column, int row, int half = 4);
-
 }  // namespace collinea

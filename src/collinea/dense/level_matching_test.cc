@@ -103,17 +103,6 @@ TEST(LevelMatching, SpikesGoAndSlopesStay) {
   EXPECT_EQ(without_spikes({points.begin(), points.begin() + 5}).size(), 5u);  // too few to say
 }
 
-// Karfis 7.5 (errata 21): 81 pixels cannot have more than log2 81 = 6.34 bits.
-TEST(LevelMatching, EntropyOfAWindow) {
-  GreyImage image(9, 9, 1);
-  for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = std::uint8_t(i);
-  EXPECT_NEAR(entropy_at(image, 4, 4), std::log2(81.0), 1e-12);
-  for (auto& grey : image.data) grey = 7;
-  EXPECT_EQ(entropy_at(image, 4, 4), 0);
-  for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = i < 27 ? 1 : i < 54 ? 2 : 3;
-  EXPECT_NEAR(entropy_at(image, 4, 4), std::log2(3.0), 1e-12);
-}
-
 TEST(LevelMatching, RefusesWhatCannotGuide) {
   const Pair pair(0);
   EXPECT_FALSE(match_by_levels(pair.left, pair.right, {}, kExact, {}, {}));

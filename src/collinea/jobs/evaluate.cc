@@ -10,7 +10,8 @@
 #include "collinea/cloud/las.h"
 #include "collinea/cloud/ply.h"
 #include "collinea/io/text.h"
-#include "collinea/io/text_table.h"
+#include "collinea/jobs/internal/out_folder.h"
+#include "collinea/jobs/internal/point_rows.h"
 #include "collinea/raster/band_descriptions.h"
 #include "collinea/raster/geotiff.h"
 #include "collinea/raster/image_file.h"
@@ -55,16 +56,9 @@ Result<ReferencePoints> points_of_las(const fs::path& path) {
 }
 
 Result<ReferencePoints> points_of_table(const fs::path& path) {
-  COLLINEA_TRY(const TextTable table, read_text_table(path));
-  std::array<std::vector<double>, 3> columns;
-  const char* const names[] = {"X", "Y", "Z"};
-  for (std::size_t i = 0; i < 3; ++i) {
-    auto column = table.numbers(names[i], "m");
-    if (!column) return tl::unexpected(std::move(column).error().within(path.string()));
-    columns[i] = std::move(*column);
-  }
+  COLLINEA_TRY(const std::vector<HeightPoint> rows, read_point_rows(path));
   std::vector<Eigen::Vector3d> points;
-  for (std::size_t i = 0; i < table.rows.size(); ++i) points.emplace_back(columns[0][i], columns[1][i], columns[2][i]);
+  for (const HeightPoint& row : rows) points.push_back(row.position);
   return points_of_list(std::move(points));
 }
 
@@ -123,6 +117,13 @@ Result<std::function<Result<int>(const Eigen::Vector2d&)>> classes_of(const std:
 Result<std::optional<double>> predicted_sigma_m(const EvaluateOptions& options) {
   const int given = int(options.scale_number.has_value()) + int(options.height_over_base.has_value()) +
                     int(options.sigma_image_um.has_value());
+  if (given == 0 && options.sigma_reference_m > 0)
+    return fail(
+        Errc::kBadInput, "the sigma of the reference is part of the predicted one: give the other three, too",
+        {"sigma_reference_m"_option, "scale_number"_option, "height_over_base"_option, "sigma_image_um"_option});
+  if (given > 0 && options.tolerance_m)
+    return fail(Errc::kBadInput, "the tolerance is given twice: as a number and by what predicts it",
+                {"tolerance_m"_option, "scale_number"_option});
   if (given == 0) return std::nullopt;
   if (given < 3)
     return fail(Errc::kBadInput, "the predicted sigma needs all three of scale, height over base and image sigma",
@@ -199,9 +200,7 @@ Result<Evaluation> evaluate_surface(const fs::path& surface, const fs::path& ref
                                                         raster.add(on_map, difference_m);
                                                       }));
   if (options.out) {
-    std::error_code error;
-    fs::create_directories(*options.out, error);
-    if (error) return fail(Errc::kBadInput, "cannot make " + options.out->string() + ": " + error.message());
+    COLLINEA_TRY(make_out_folder(*options.out));
     COLLINEA_TRY(raster.write(*options.out, evaluation.comparison.tolerance_m));
     COLLINEA_TRY(write_file(*options.out / "evaluation.txt", evaluation_text(evaluation)));
   }

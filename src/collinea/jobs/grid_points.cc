@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "collinea/base/parallel.h"
-#include "collinea/io/text_table.h"
+#include "collinea/jobs/internal/point_rows.h"
 #include "collinea/raster/band_descriptions.h"
 
 namespace collinea {
@@ -19,21 +19,6 @@ constexpr double kNoHeight = -9999;
 constexpr int kStripRows = 512;
 constexpr double kMostCells = 1e9;
 constexpr std::size_t kLeftOut = 10;  // one in so many
-
-Result<std::vector<HeightPoint>> read_points(const fs::path& path) {
-  const auto within = [&](Error error) { return std::move(error).within(path.string()); };
-  COLLINEA_TRY(const TextTable table, read_text_table(path));
-  COLLINEA_TRY(const auto x, table.numbers("X", "m").map_error(within));
-  COLLINEA_TRY(const auto y, table.numbers("Y", "m").map_error(within));
-  COLLINEA_TRY(const auto z, table.numbers("Z", "m").map_error(within));
-  COLLINEA_TRY(const auto sigma, table.numbers_or("sigma_Z", "m", 0).map_error(within));
-  std::vector<HeightPoint> points;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    if (sigma[i] < 0) return fail(Errc::kBadFormat, fmt::format("{}: row {}: a sigma below 0", path.string(), i + 1));
-    points.push_back({{x[i], y[i], z[i]}, sigma[i]});
-  }
-  return points;
-}
 
 struct Extent {
   Eigen::Vector2d low, high;
@@ -139,10 +124,26 @@ Result<> write_grid(const HeightInterpolation& surface, const fs::path& out, Gri
 
 }  // namespace
 
+namespace {
+
+// Options of another method than the one asked for.
+Result<> check_method(const GridPointsOptions& options) {
+  if (options.covariance && options.method != GridMethod::kCollocation)
+    return fail(Errc::kBadInput, "only collocation has a covariance", {"covariance"_option, "method"_option});
+  if (options.spacing_m && options.method != GridMethod::kSplines)
+    return fail(Errc::kBadInput, "only splines have squares of a side", {"spacing_m"_option, "method"_option});
+  if (options.longest_m && options.method != GridMethod::kTriangles)
+    return fail(Errc::kBadInput, "only triangles have a longest side", {"longest_m"_option, "method"_option});
+  return {};
+}
+
+}  // namespace
+
 Result<GriddedPoints> grid_points(const fs::path& points_path, const fs::path& out, const GridPointsOptions& options,
                                   const Run& run) {
   COLLINEA_TRY(validate(options));
-  COLLINEA_TRY(const std::vector<HeightPoint> points, read_points(points_path));
+  COLLINEA_TRY(check_method(options));
+  COLLINEA_TRY(const std::vector<HeightPoint> points, read_point_rows(points_path));
   if (points.size() < 3) return fail(Errc::kIllPosed, points_path.string() + ": a surface needs three points or more");
   const Extent extent(points);
   const double distance_m = extent.mean_distance_m(points.size());

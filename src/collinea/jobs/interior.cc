@@ -9,6 +9,7 @@
 #include "collinea/base/file.h"
 #include "collinea/io/film_calibration_file.h"
 #include "collinea/io/number_rows.h"
+#include "collinea/jobs/internal/out_folder.h"
 
 namespace collinea {
 namespace {
@@ -142,9 +143,7 @@ Result<> add_points(InteriorReport& report, const InteriorOptions& options) {
 }
 
 Result<> write_tables(const InteriorReport& report, const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) return fail(Errc::kBadInput, "cannot make " + folder.string() + ": " + error.message(), {"out"_option});
+  COLLINEA_TRY(make_out_folder(folder));
   COLLINEA_TRY(write_file(folder / "interior.txt", text_of(parameter_table(report))));
   COLLINEA_TRY(write_file(folder / "residuals.txt", text_of(residual_table(report))));
   if (!report.points.empty()) return write_file(folder / "points.txt", text_of(point_table(report)));

@@ -12,6 +12,7 @@
 #include "collinea/dense/stereo.h"
 #include "collinea/epipolar/intersect.h"
 #include "collinea/io/text.h"
+#include "collinea/jobs/internal/out_folder.h"
 #include "collinea/jobs/internal/pair_steps.h"
 #include "collinea/math/median.h"
 #include "collinea/raster/image_file.h"
@@ -261,9 +262,7 @@ Result<PairReport> orient_and_match(const fs::path& left, const fs::path& right,
     COLLINEA_TRY(
         orient_absolutely(*options.control, images, epipolar.cameras, orientation, options.control_sigma_px, report));
   }
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) return fail(Errc::kBadInput, "cannot make " + folder.string() + ": " + error.message());
+  COLLINEA_TRY(make_out_folder(folder));
   COLLINEA_TRY(write_file(folder / "points.txt", text_of(point_table(points, orientation, images.shrink))));
   COLLINEA_TRY(write_png(folder / "epipolar_left.png", epipolar.left));
   COLLINEA_TRY(write_png(folder / "epipolar_right.png", epipolar.right));

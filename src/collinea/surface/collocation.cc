@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collinea/geometry/plane_squares.h"
 #include "collinea/surface/height_interpolation.h"
-#include "collinea/surface/internal/nearest_points.h"
 
 namespace collinea {
 namespace {
@@ -114,21 +114,24 @@ std::pair<HeightCovariance, double> fitted_to(const std::vector<VariogramClass>&
 class Collocation : public HeightInterpolation {
  public:
   Collocation(std::span<const HeightPoint> points, const FittedCovariance& fitted, int nearest)
-      : near_(points), fitted_(fitted), nearest_(std::size_t(nearest)) {
-    for (const HeightPoint& point : near_.points()) rest_.push_back(height_less_trend(point, fitted));
+      : points_(points.begin(), points.end()),
+        squares_(in_plan(points)),
+        fitted_(fitted),
+        nearest_(std::size_t(nearest)) {
+    for (const HeightPoint& point : points_) rest_.push_back(height_less_trend(point, fitted));
   }
 
   [[nodiscard]] InterpolatedHeight at(const Eigen::Vector2d& on_map) const override {
-    const std::vector<std::size_t> nearest = near_.around(on_map, nearest_);
+    const std::vector<std::size_t> nearest = squares_.nearest(on_map, nearest_);
     const auto n = Eigen::Index(nearest.size());
     const HeightCovariance& covariance = fitted_.covariance;
     Eigen::MatrixXd all(n, n);
     Eigen::MatrixXd right(n, 3);  // covariances with the position, ones, heights
     for (Eigen::Index i = 0; i < n; ++i) {
-      const HeightPoint& point = near_.points()[nearest[std::size_t(i)]];
+      const HeightPoint& point = points_[nearest[std::size_t(i)]];
       const Eigen::Vector2d here = point.position.head<2>();
       for (Eigen::Index j = 0; j < i; ++j)
-        all(i, j) = covariance.at((near_.points()[nearest[std::size_t(j)]].position.head<2>() - here).norm());
+        all(i, j) = covariance.at((points_[nearest[std::size_t(j)]].position.head<2>() - here).norm());
       // A millionth for points on one position with exact heights.
       all(i, i) = covariance.signal_m2 * (1 + 1e-6) + covariance.noise_m2 + point.sigma_m * point.sigma_m + kSmallest;
       right.row(i) << covariance.at((here - on_map).norm()), 1, rest_[nearest[std::size_t(i)]];
@@ -146,7 +149,8 @@ class Collocation : public HeightInterpolation {
   }
 
  private:
-  NearestPoints near_;
+  std::vector<HeightPoint> points_;
+  PlaneSquares squares_;
   FittedCovariance fitted_;
   std::size_t nearest_;
   std::vector<double> rest_;  // heights less the trend

@@ -6,18 +6,12 @@
 #include <cmath>
 
 #include "collinea/geometry/delaunay.h"
-#include "collinea/surface/internal/nearest_points.h"
+#include "collinea/geometry/plane_squares.h"
 
 namespace collinea {
 namespace {
 
 constexpr double kThinnest = 1e-6;  // of the extents of the nearest points: below, they lie on a line
-
-std::vector<Eigen::Vector2d> in_plan(std::span<const HeightPoint> points) {
-  std::vector<Eigen::Vector2d> positions;
-  for (const HeightPoint& point : points) positions.emplace_back(point.position.head<2>());
-  return positions;
-}
 
 class Triangulated : public HeightInterpolation {
  public:
@@ -59,28 +53,28 @@ class Triangulated : public HeightInterpolation {
 
 class LocalPlanes : public HeightInterpolation {
  public:
-  LocalPlanes(std::span<const HeightPoint> points, int nearest) : near_(points), nearest_(std::size_t(nearest)) {}
+  LocalPlanes(std::span<const HeightPoint> points, int nearest)
+      : points_(points.begin(), points.end()), squares_(in_plan(points)), nearest_(std::size_t(nearest)) {}
 
   [[nodiscard]] InterpolatedHeight at(const Eigen::Vector2d& on_map) const override {
-    const auto nearest = near_.around(on_map, nearest_);
-    const auto& points = near_.points();
-    const double middle_m = std::max((points[nearest[nearest.size() / 2]].position.head<2>() - on_map).norm(), 1e-12);
+    const auto nearest = squares_.nearest(on_map, nearest_);
+    const double middle_m = std::max((points_[nearest[nearest.size() / 2]].position.head<2>() - on_map).norm(), 1e-12);
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero(), spread = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     // Scatter is that of observations by their sigmas; nearer ones count more only in where the plane goes.
     double sum_squares = 0, sum_weights = 0;
-    const double level = points[nearest[0]].position.z();
+    const double level = points_[nearest[0]].position.z();
     for (const std::size_t i : nearest) {
-      const auto [row, weight] = row_of(points[i], on_map, middle_m);
+      const auto [row, weight] = row_of(points_[i], on_map, middle_m);
       normal += weight * row * row.transpose();
-      right += weight * row * (points[i].position.z() - level);
+      right += weight * row * (points_[i].position.z() - level);
     }
     const Eigen::LDLT<Eigen::Matrix3d> factors(normal);
     if (!(factors.vectorD().minCoeff() > kThinnest * factors.vectorD().maxCoeff())) return {};
     const Eigen::Vector3d plane = factors.solve(right);
     for (const std::size_t i : nearest) {
-      const auto [row, weight] = row_of(points[i], on_map, middle_m);
-      const double residual = points[i].position.z() - level - row.dot(plane), variance = variance_of(points[i]);
+      const auto [row, weight] = row_of(points_[i], on_map, middle_m);
+      const double residual = points_[i].position.z() - level - row.dot(plane), variance = variance_of(points_[i]);
       sum_squares += residual * residual / variance;
       sum_weights += 1;
       spread += weight * weight * variance * row * row.transpose();
@@ -100,7 +94,8 @@ class LocalPlanes : public HeightInterpolation {
     return {{1, from.x(), from.y()}, 1 / ((1 + from.squaredNorm()) * variance_of(point))};
   }
 
-  NearestPoints near_;
+  std::vector<HeightPoint> points_;
+  PlaneSquares squares_;
   std::size_t nearest_;
 };
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
+#include <vector>
 
 namespace collinea {
 
@@ -10,5 +12,12 @@ struct HeightPoint {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< east, north, height [m]
   double sigma_m = 0;                                  ///< of its height; 0: not known
 };
+
+/// East and north alone.
+[[nodiscard]] inline std::vector<Eigen::Vector2d> in_plan(std::span<const HeightPoint> points) {
+  std::vector<Eigen::Vector2d> positions;
+  for (const HeightPoint& point : points) positions.emplace_back(point.position.head<2>());
+  return positions;
+}
 
 }  // namespace collinea

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <memory>
 #include <span>
 #include <vector>
 
 #include "collinea/base/result.h"
 #include "collinea/dense/level_point.h"
 #include "collinea/geometry/delaunay.h"
+#include "collinea/geometry/plane_squares.h"
 
 namespace collinea {
 
@@ -17,28 +17,8 @@ struct DisparityInterval {
   double low_px, high_px;
 };
 
-/// Points of a surface sorted into squares of the left image.
-class DisparityNeighbours {
- public:
-  explicit DisparityNeighbours(std::span<const LevelPoint> points);
-
-  /// Disparities of the points nearest to point i, with its own.
-  [[nodiscard]] std::vector<double> disparities(std::size_t i, std::size_t count) const;
-  /// The smallest and largest within half_px of a position in column and row, of at least `least` points: the square
-  /// grows until there are so many.
-  [[nodiscard]] DisparityInterval interval(const Eigen::Vector2d& at, double half_px, std::size_t least) const;
-
- private:
-  // Calls visit(index) for points of squares that touch the square round a position.
-  template <class Visit>
-  void in_square(const Eigen::Vector2d& at, double half_px, const Visit& visit) const;
-
-  std::vector<LevelPoint> points_;
-  Eigen::Vector2d corner_ = Eigen::Vector2d::Zero();
-  double side_px_ = 1, extent_px_ = 1;
-  int across_ = 1, down_ = 1;
-  std::vector<std::size_t> begin_, order_;
-};
+/// Where points lie in the left image.
+[[nodiscard]] std::vector<Eigen::Vector2d> left_positions(std::span<const LevelPoint> points);
 
 /// A surface as disparities of triangles over the left image.
 class DisparityModel {
@@ -50,11 +30,12 @@ class DisparityModel {
   [[nodiscard]] DisparityInterval around(const Eigen::Vector2d& at, double square_px) const;
 
  private:
-  DisparityModel(std::span<const LevelPoint> points, Delaunay triangles);
+  DisparityModel(std::span<const LevelPoint> points, std::vector<Eigen::Vector2d> positions, Delaunay triangles);
+  [[nodiscard]] DisparityInterval interval(const Eigen::Vector2d& at, double half_px) const;
 
   std::vector<LevelPoint> points_;
   Delaunay triangles_;
-  DisparityNeighbours neighbours_;
+  PlaneSquares squares_;
 };
 
 }  // namespace collinea

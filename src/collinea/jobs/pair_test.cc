@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/jobs/pair.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "collinea/base/file.h"
+#include "collinea/base/test_folder.h"
+#include "collinea/cloud/ply.h"
+#include "collinea/geometry/rotation.h"
+#include "collinea/jobs/evaluate.h"
+#include "collinea/jobs/grid_points.h"
+#include "collinea/math/random.h"
+#include "collinea/raster/image_file.h"
+#include "collinea/synthetic/write.h"
+
+namespace collinea {
+namespace {
+
+constexpr double kFocal_px = 600;
+
+// Two images of a made-up village by a camera without distortion, with the truth.
+struct VillagePair {
+  TestFolder folder;
+  Block truth;
+  std::filesystem::path left, right;
+
+  VillagePair() {
+    SurveyOptions options;
+    options.strips = 1;
+    options.images_per_strip = 2;
+    options.cross_strips = 0;
+    options.forward_overlap = 0.65;
+    options.gsd_m = 0.1;
+    options.camera.width_px = 800;
+    options.camera.height_px = 600;
+    options.camera.focal_px = kFocal_px;
+    options.camera.k1 = options.camera.k2 = options.camera.k3 = options.camera.p1 = options.camera.p2 = 0;
+    options.camera.principal_x_px = options.camera.principal_y_px = 0;
+    const auto survey = make_survey(options);
+    EXPECT_TRUE(survey);
+    truth = survey->block;
+    std::filesystem::create_directories(folder / "images");
+    EXPECT_TRUE(write_images(*survey, folder / "images", {.threads = 2}));
+    auto image = truth.images.begin();
+    left = folder / "images" / image->second.file;
+    right = folder / "images" / (++image)->second.file;
+  }
+
+  [[nodiscard]] Rigid3 pose(int i) const { return pose_of(truth, std::next(truth.images.begin(), i)->first); }
+  [[nodiscard]] Rigid3 right_from_left() const { return pose(1) * inverse(pose(0)); }
+
+  // Points in the air and on the ground that both cameras see, as control with exact measurements.
+  [[nodiscard]] std::string control_table() const {
+    std::string text =
+        "point X[m] Y[m] Z[m] sigma_X[m] sigma_Y[m] sigma_Z[m] x_left[px] y_left[px] x_right[px] y_right[px]\n";
+    const Camera& camera = truth.cameras.begin()->second;
+    const Eigen::Vector3d middle = (centre_of(pose(0)) + centre_of(pose(1))) / 2;
+    int n = 0;
+    for (int y = -2; y <= 2; ++y)
+      for (int x = -1; x <= 1; ++x) {
+        const Eigen::Vector3d at(middle.x() + 9 * x, middle.y() + 9 * y, (n * 7) % 5);
+        const auto a = project(camera, pose(0) * at), b = project(camera, pose(1) * at);
+        if (!a || !b) continue;
+        text += fmt::format("P{} {} {} {} 0.01 0.01 0.01 {} {} {} {}\n", ++n, at.x(), at.y(), at.z(), a->x(), a->y(),
+                            b->x(), b->y());
+      }
+    return text;
+  }
+};
+
+TEST(Pair, TwoImagesOfAVillageBecomeItsSurface) {
+  const VillagePair village;
+  PairChainOptions options;
+  options.principal_distance_px = kFocal_px;
+  options.levels.levels = 4;
+  options.levels.last_threshold = 300;
+  options.levels.grid_px = 4;
+  ASSERT_TRUE(write_file(village.folder / "control.txt", village.control_table()));
+  options.control = village.folder / "control.txt";
+  const auto report = orient_and_match(village.left, village.right, village.folder / "pair", options, {.threads = 2});
+  ASSERT_TRUE(report) << report.error().message;
+
+  const RelativeOrientation& found = report->orientations.back().orientation;
+  const Rigid3 truth = village.right_from_left();
+  const Eigen::Vector3d base = base_in_first(found.second_from_first);
+  Vector5 change;
+  change << rotation_vector(truth.rotation * found.second_from_first.rotation.conjugate()),
+      tangents_of(base).transpose() * (base_in_first(truth) - base);
+  const double chi2 = change.dot(found.stated_covariance().ldlt().solve(change));
+  EXPECT_LT(chi2, 20.5);  // five degrees of freedom, one in a thousand
+  EXPECT_LT(angle_between(found.second_from_first.rotation, truth.rotation), 3e-4);
+  EXPECT_LT((found.second_from_first.translation - truth.translation.normalized()).norm(), 1e-3);
+  EXPECT_LT(report->orientations.back().sigma0_px, 0.1);
+  EXPECT_LT(report->y_parallax_rms_px, 0.15);
+
+  // The model on the ground: its unit is the base.
+  ASSERT_TRUE(report->absolute);
+  EXPECT_NEAR(report->absolute->ground_from_model.scale, truth.translation.norm(), 0.002 * truth.translation.norm());
+  EXPECT_GT(report->surface_points, 10'000u);
+  for (const char* file : {"pair.txt", "points.txt", "epipolar_left.png", "epipolar_right.png", "epipolar_check.png"})
+    EXPECT_TRUE(is_there(village.folder / "pair" / file)) << file;
+}
+
+TEST(Pair, TheDenseSurfaceHasMorePointsOnTheSameOrientation) {
+  const VillagePair village;
+  PairChainOptions options;
+  options.principal_distance_px = kFocal_px;
+  options.surface = PairSurface::kDense;
+  options.base_m = village.right_from_left().translation.norm();
+  const auto report = orient_and_match(village.left, village.right, village.folder / "pair", options, {.threads = 2});
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_GT(report->surface_points, 100'000u);
+  // Depths about the flying height: the village reaches some way up to the camera.
+  const auto cloud = read_ply(village.folder / "pair/cloud.ply");
+  ASSERT_TRUE(cloud);
+  std::size_t near = 0;
+  for (const CloudPoint& point : *cloud) near += point.position.z() > 40 && point.position.z() < 70;
+  EXPECT_GT(double(near) / double(cloud->size()), 0.99);
+}
+
+TEST(Pair, SaysWhatIsMissingOrWrong) {
+  const VillagePair village;
+  PairChainOptions options;
+  const auto nothing = orient_and_match(village.left, village.right, village.folder / "pair", options, {});
+  ASSERT_FALSE(nothing);
+  EXPECT_NE(nothing.error().message.find("principal distance"), std::string::npos);
+  options.principal_distance_px = kFocal_px;
+  EXPECT_FALSE(orient_and_match(village.left, village.folder / "none.jpg", village.folder / "pair", options, {}));
+  GreyImage noise(800, 600);
+  Random random(4);
+  for (auto& grey : noise.data) grey = std::uint8_t(1 + random.below(255));
+  ASSERT_TRUE(write_png(village.folder / "noise.png", noise));
+  const auto other = orient_and_match(village.left, village.folder / "noise.png", village.folder / "pair", options, {});
+  ASSERT_FALSE(other);
+  EXPECT_NE(other.error().message.find("do not show the same"), std::string::npos);
+  ASSERT_TRUE(write_file(village.folder / "control.txt", "point X[m]\nA 1\n"));
+  options.control = village.folder / "control.txt";
+  const auto columns = orient_and_match(village.left, village.right, village.folder / "pair", options, {});
+  ASSERT_FALSE(columns);
+  EXPECT_NE(columns.error().message.find("x_left"), std::string::npos);
+}
+
+// Points of a hillside to a raster, and that raster beside other points of it.
+TEST(GridPoints, AndEvaluateFindTheSameHill) {
+  const TestFolder folder;
+  std::string some = "point X[m] Y[m] Z[m] sigma_Z[mm]\n", others = "X;Y;Z[cm]\n";
+  for (int i = 0; i < 900; ++i) {
+    const double x = 5e5 + (i * 37 % 101), y = 5e6 + (i * 53 % 97), z = 300 + 5 * std::sin(x / 20) + 0.1 * (y - 5e6);
+    const std::string at = std::to_string(x) + (i % 3 ? " " : ";") + std::to_string(y) + (i % 3 ? " " : ";");
+    if (i % 3)
+      some += std::to_string(i) + " " + at + std::to_string(z) + " 1\n";
+    else
+      others += at + std::to_string(100 * (z + 0.25)) + "\n";
+  }
+  ASSERT_TRUE(write_file(folder / "some.txt", some));
+  ASSERT_TRUE(write_file(folder / "others.txt", others));
+  GridPointsOptions grid;
+  grid.cell_m = 1;
+  const auto gridded = grid_points(folder / "some.txt", folder / "hill.tif", grid, {});
+  ASSERT_TRUE(gridded) << gridded.error().message;
+  EXPECT_EQ(gridded->points, 600u);
+  EXPECT_LT(gridded->left_out_rms_m, 0.1);
+  EXPECT_TRUE(is_there(folder / "hill_sigma.tif"));
+  EvaluateOptions options;
+  options.coregistration = Coregistration::kNone;
+  options.tolerance_m = 0.1;
+  options.out = folder / "differences";
+  const auto evaluation = evaluate_surface(folder / "hill.tif", folder / "others.txt", options, {});
+  ASSERT_TRUE(evaluation) << evaluation.error().message;
+  EXPECT_GT(evaluation->comparison.all.count(), 250u);
+  EXPECT_NEAR(evaluation->comparison.all.median_m(), -0.25, 0.02);  // the others lie higher
+  EXPECT_TRUE(is_there(folder / "differences/differences.png"));
+  EXPECT_TRUE(is_there(folder / "differences/evaluation.txt"));
+}
+
+TEST(GridPoints, AndEvaluateRefuseOptionsThatWouldNotBeRead) {
+  const TestFolder folder;
+  GridPointsOptions grid;
+  grid.method = GridMethod::kPlanes;
+  grid.spacing_m = 3;
+  EXPECT_EQ(grid_points(folder / "none.txt", folder / "x.tif", grid, {}).error().options.front().name, "spacing_m");
+  ASSERT_TRUE(write_file(folder / "two.txt", "X[m] Y[m] Z[m]\n1 2 3\n4 5 6\n"));
+  EXPECT_FALSE(grid_points(folder / "two.txt", folder / "x.tif", {}, {}));
+}
+
+}  // namespace
+}  // namespace collinea
