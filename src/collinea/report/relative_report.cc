@@ -384,7 +384,7 @@ std::string pair_shape_svg(const RelativeReport& report) {
   return fmt::format(
       "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {0:.0f} {0:.0f}' width='{0:.0f}' height='{0:.0f}' "
       "font-family='sans-serif' font-size='13'>\n<rect width='100%' height='100%' fill='#fff'/>\n<text x='10' y='18'>"
-      "points of the model seen along the base, and the critical cylinder that fits best</text>\n{1}</svg>\n",
+      "points seen along the base, and the nearest critical cylinder</text>\n{1}</svg>\n",
       kSize, body);
 }
 
