@@ -27,6 +27,8 @@ constexpr double kMapSigma = 0.05;         // of the map against that of a surfa
 constexpr double kLargestSigma_px = 0.5;   // along the ray: more is no measurement
 constexpr double kRaysApart = 10;          // so much more where rays miss, in their variance
 constexpr double kFixed = 1e12;            // weight of a map that is not free
+constexpr double kLeastSlowNoise = 1;      // it is an estimate itself
+constexpr double kSlowPart = 0.6;          // of what the unknowns of a window take up
 constexpr double kLeastAngle_rad = 1e-4;   // as intersect()
 constexpr double kLessToStart = 0.2;       // a view may correlate by so much less before it is adjusted
 constexpr double kLeastNoise_grey = 0.29;  // of whole grey values
@@ -69,7 +71,9 @@ class Matcher {
     const Vector3d from = point_;
     for (;;) {
       point_ = from;
-      if (const auto outcome = adjust()) return failed(*outcome);
+      if (const auto outcome = adjust(starts_)) return failed(*outcome);
+      bend_windows();
+      if (const auto outcome = adjust(states_)) return failed(*outcome);
       WindowInView* worst = nullptr;
       for (const std::size_t i : used_)
         if (!worst || result_.views[i].correlation < worst->correlation) worst = &result_.views[i];
@@ -88,17 +92,23 @@ class Matcher {
     return result_;
   }
 
-  // The window as a surface that faces the cameras would be seen.
-  std::optional<WindowState> facing(std::size_t i, const Vector3d& point) const {
-    Vector3d normal = Vector3d::Zero();
-    for (const OrientedView& view : views_) normal += (centre_of(view.cam_from_world) - point).normalized();
-    const auto image_of = [&](const Vector2d& offset) -> std::optional<Vector2d> {
-      const ReferenceRay ray = ray_of(views_[reference_], reference_px_ + offset);
-      const double along = normal.dot(ray.direction);
-      if (!(std::abs(along) > 1e-9)) return std::nullopt;
-      const Vector3d at = ray.centre + ray.direction * (normal.dot(point - ray.centre) / along);
-      return project(*views_[i].camera, views_[i].cam_from_world * at);
-    };
+  // Where a plane through the point shows what the reference has at an offset.
+  std::optional<Vector2d> on_plane(std::size_t i, const Vector3d& point, const Vector3d& normal,
+                                   const Vector2d& offset) const {
+    const ReferenceRay ray = ray_of(views_[reference_], reference_px_ + offset);
+    const double along = normal.dot(ray.direction);
+    if (!(std::abs(along) > 1e-9)) return std::nullopt;
+    const Vector3d at = ray.centre + ray.direction * (normal.dot(point - ray.centre) / along);
+    return project(*views_[i].camera, views_[i].cam_from_world * at);
+  }
+
+  // The window on a plane; without one, on the plane that faces the cameras.
+  std::optional<WindowState> facing(std::size_t i, const Vector3d& point,
+                                    std::optional<Vector3d> plane = std::nullopt) const {
+    Vector3d normal = plane.value_or(Vector3d::Zero());
+    if (!plane)
+      for (const OrientedView& view : views_) normal += (centre_of(view.cam_from_world) - point).normalized();
+    const auto image_of = [&](const Vector2d& offset) { return on_plane(i, point, normal, offset); };
     constexpr double kStep_px = 2;
     const auto middle = image_of({0, 0}), left = image_of({-kStep_px, 0}), right = image_of({kStep_px, 0}),
                up = image_of({0, -kStep_px}), down = image_of({0, kStep_px});
@@ -109,6 +119,47 @@ class Matcher {
     const Eigen::JacobiSVD<Matrix2d> svd(state.map);
     if (svd.singularValues()(0) > kLargestScale || svd.singularValues()(1) < kSmallestScale) return std::nullopt;
     return state;
+  }
+
+  // The plane that all maps together speak for: A_i = J_i z [r_u r_v] + (J_i r) g', g the slope of the depth z.
+  std::optional<Vector3d> plane_of_maps() const {
+    constexpr double kStep_px = 1;
+    const ReferenceRay ray = ray_of(views_[reference_], reference_px_);
+    const double depth = ray.direction.dot(point_ - ray.centre);
+    Eigen::Matrix<double, 3, 2> turning;
+    for (int k = 0; k < 2; ++k) {
+      const Vector3d there = ray_of(views_[reference_], reference_px_ + kStep_px * Vector2d::Unit(k)).direction;
+      turning.col(k) = depth * (there / there.dot(ray.direction) - ray.direction) / kStep_px;
+    }
+    Vector2d slope = Vector2d::Zero();
+    double weights = 0;
+    for (const std::size_t i : used_) {
+      const auto seen = seen_in(views_[i], point_);
+      if (!seen) return std::nullopt;
+      const Vector2d by_depth = seen->by_point * ray.direction;
+      slope += (states_[i].map - seen->by_point * turning).transpose() * by_depth;
+      weights += by_depth.squaredNorm();
+    }
+    if (!(weights > 0)) return std::nullopt;
+    const Eigen::Matrix<double, 3, 2> tangents = turning + ray.direction * (slope / weights).transpose();
+    return tangents.col(0).cross(tangents.col(1)).normalized();
+  }
+
+  // What perspective within the windows adds to their maps.
+  void bend_windows() {
+    const auto normal = plane_of_maps();
+    if (!normal) return;
+    for (const std::size_t i : used_) {
+      const auto plane = facing(i, point_, normal);
+      if (!plane) continue;
+      std::vector<Vector2d> bend;
+      for (const auto& point : template_.points) {
+        const auto at = on_plane(i, point_, *normal, point.offset);
+        if (!at) break;
+        bend.push_back(*at - plane->pixel - plane->map * point.offset);
+      }
+      if (bend.size() == template_.points.size()) states_[i].bend = std::move(bend);
+    }
   }
 
   // Along the ray: where the images are most alike, and which of them are.
@@ -247,9 +298,9 @@ class Matcher {
     return all;
   }
 
-  std::optional<MultiImageOutcome> adjust() {
+  std::optional<MultiImageOutcome> adjust(std::vector<WindowState> from) {
     for (const std::size_t i : used_) {
-      states_[i] = starts_[i];
+      states_[i] = from[i];
       misses_[i].setZero();
     }
     double variance = kLeastNoise_grey * kLeastNoise_grey;
@@ -321,17 +372,24 @@ class Matcher {
   std::optional<MultiImageOutcome> settled(double variance) {
     const auto all = all_reduced(variance, true);
     if (!all) return MultiImageOutcome::kNotConverged;
-    double squares = 0, expected = 0;
+    double squares = 0, expected = 0, squares_of_means = 0, expected_of_means = 0;
     for (std::size_t a = 0; a < all->size(); ++a) {
       const Reduced& one = (*all)[a];
+      const double lost = fitted(one, states_[used_[a]].gain);
       squares += one.equations.squares;
-      expected += one.equations.white - fitted(one, states_[used_[a]].gain);
+      expected += one.equations.white - lost;
+      const BlockMeans means = block_means(template_, one.equations, states_[used_[a]]);
+      squares_of_means += means.squares;
+      expected_of_means += std::max(means.white - kSlowPart * lost, means.white / 4);  // what is fitted varies slowly
       WindowInView& view = result_.views[used_[a]];
       view.correlation = one.equations.correlation;
       view.misclosure_px = one.normal.fullPivLu().solve(one.score) + misses_[used_[a]];
     }
     result_.noise_grey = std::max(std::sqrt(squares / std::max(expected, 1e-9)), kLeastNoise_grey);
-    const auto system = system_of(*all, result_.noise_grey * result_.noise_grey);
+    const double slow = std::sqrt(squares_of_means / std::max(expected_of_means, 1e-9)) / result_.noise_grey;
+    result_.slow_noise = std::max(slow, kLeastSlowNoise);
+    const double noise_grey = result_.noise_grey * result_.slow_noise;
+    const auto system = system_of(*all, noise_grey * noise_grey);
     if (!system) return MultiImageOutcome::kNoTexture;
     result_.covariance = system->covariance;
     const Eigen::VectorXd& v = system->right;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "collinea/base/options.h"
+#include "collinea/base/words.h"
 #include "collinea/camera/camera.h"
 #include "collinea/geometry/rigid3.h"
 #include "collinea/raster/raster.h"
@@ -52,6 +53,15 @@ enum class MultiImageOutcome {
   kNotConverged,  ///< or farther from the start than the search and half a window
 };
 
+inline constexpr Word<MultiImageOutcome> kMultiImageOutcomeWords[] = {
+    {MultiImageOutcome::kFound, "found"},
+    {MultiImageOutcome::kOutside, "outside", "the window does not lie in the reference image"},
+    {MultiImageOutcome::kFewViews, "few views", "no other image shows the window and is alike"},
+    {MultiImageOutcome::kNoTexture, "no texture", "nothing fixes the position along the ray"},
+    {MultiImageOutcome::kParallel, "parallel", "the rays are too parallel"},
+    {MultiImageOutcome::kNotConverged, "not converged", "the windows moved away from the start"}};
+constexpr std::span<const Word<MultiImageOutcome>> words(MultiImageOutcome) { return kMultiImageOutcomeWords; }
+
 /// The window in one image.
 struct WindowInView {
   bool is_used = false;                 ///< the reference is not
@@ -70,6 +80,9 @@ struct MultiImagePoint {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   std::vector<WindowInView> views;  ///< in the order given; of the reference pixel and correlation 1
   double noise_grey = 0;            ///< standard deviation of the noise of a pixel, as the differences show it
+  /// Noise of means over 3 x 3 pixels against that of white noise: above 1 where neighbours err alike (JPEG, resampled
+  /// or sharpened images, texture finer than a pixel); sigmas are multiplied by it.
+  double slow_noise = 1;
   /// Whether all rays meet in one point: chi-squared with `redundancy` degrees of freedom, 2 k - 1 for k other images.
   double statistic = 0;
   int redundancy = 0;

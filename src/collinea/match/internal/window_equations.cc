@@ -50,8 +50,9 @@ std::optional<WindowEquations> window_equations(const ReferenceTemplate& referen
   out.right.setZero();
   const Eigen::Matrix2d slope_here = state.gain * state.map.inverse().transpose();
   double sum = 0, square = 0, common = 0, reference_square = 0;
-  for (const ReferenceTemplate::Point& point : reference.points) {
-    const auto sample = spline_sample(image, state.pixel + state.map * point.offset);
+  for (std::size_t k = 0; k < reference.points.size(); ++k) {
+    const ReferenceTemplate::Point& point = reference.points[k];
+    const auto sample = spline_sample(image, state.position(reference, k));
     if (!sample) return std::nullopt;
     const double u = point.offset.x(), v = point.offset.y(), grey = point.sample.grey;
     const auto derivatives = [&](const Eigen::Vector2d& slope) {
@@ -77,6 +78,30 @@ std::optional<WindowEquations> window_equations(const ReferenceTemplate& referen
   out.right.segment<4>(2) += prior.weight * Eigen::Vector4d(known(0, 0), known(0, 1), known(1, 0), known(1, 1));
   const double variance = square - sum * sum / reference.weights;
   if (variance > 0 && reference_square > 0) out.correlation = common / std::sqrt(variance * reference_square);
+  return out;
+}
+
+BlockMeans block_means(const ReferenceTemplate& reference, const WindowEquations& equations, const WindowState& state) {
+  constexpr int kSide = BlockMeans::kSide;
+  // Variance of the mean of three neighbours that a spline on the pixels has smoothed, along one axis: the squares of
+  // (1, 5, 6, 5, 1) / 18; of all nine their square.
+  constexpr double kAlongOne = 88.0 / 324;
+  const int side = reference.side - 3;
+  BlockMeans out;
+  for (int top = 0; top + kSide <= side; top += kSide)
+    for (int left = 0; left + kSide <= side; left += kSide) {
+      double sum = 0, weight = 0;
+      for (int y = 0; y < kSide; ++y)
+        for (int x = 0; x < kSide; ++x) {
+          const auto k = std::size_t((top + y) * side + left + x);
+          const ReferenceTemplate::Point& point = reference.points[k];
+          sum += equations.samples[k].grey - state.gain * point.sample.grey - state.offset_grey;
+          weight += point.weight;
+        }
+      const double mean = sum / (kSide * kSide);
+      out.squares += weight * mean * mean;
+      out.white += weight * (1 + state.gain * state.gain) * kAlongOne * kAlongOne;
+    }
   return out;
 }
 

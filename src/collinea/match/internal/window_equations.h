@@ -29,6 +29,12 @@ struct WindowState {
   Eigen::Vector2d pixel;
   Eigen::Matrix2d map;
   double gain = 1, offset_grey = 0;
+  std::vector<Eigen::Vector2d> bend;  ///< of each point, what perspective adds to the map [px]; empty: nothing
+
+  [[nodiscard]] Eigen::Vector2d position(const ReferenceTemplate& reference, std::size_t point) const {
+    const Eigen::Vector2d at = pixel + map * reference.points[point].offset;
+    return bend.empty() ? at : Eigen::Vector2d(at + bend[point]);
+  }
 };
 
 inline constexpr int kWindowUnknowns = 8;  // shift of the pixel, affine map, gain, offset
@@ -56,6 +62,14 @@ struct MapPrior {
 [[nodiscard]] std::optional<WindowEquations> window_equations(const ReferenceTemplate& reference,
                                                               const GreyImage& image, const WindowState& state,
                                                               const MapPrior& prior);
+
+/// Means of r over blocks of 3 x 3 points: what they are, and what they would be for white noise of 1 in the pixels.
+struct BlockMeans {
+  static constexpr int kSide = 3;
+  double squares = 0, white = 0;  ///< weighted
+};
+[[nodiscard]] BlockMeans block_means(const ReferenceTemplate& reference, const WindowEquations& equations,
+                                     const WindowState& state);
 
 /// The weighted correlation of the window with the reference, at every `step`-th point of every `step`-th row. Nothing
 /// outside the image; 0 without texture.
