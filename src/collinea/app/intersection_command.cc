@@ -23,9 +23,9 @@ Command intersection_command() {
         flags.add_all(asked.options, "intersection");
         flags.add_all(asked.console, "run");
       },
-      [](Asked& asked, Console&) -> Result<std::string> {
+      [](Asked& asked, Console& console) -> Result<std::string> {
         COLLINEA_TRY(const IntersectionReport report,
-                     intersect_from_tables(asked.measurements, asked.orientation, asked.options));
+                     intersect_from_tables(asked.measurements, asked.orientation, asked.options, console.run()));
         if (asked.out) COLLINEA_TRY(write_result_tables(intersection_tables(report), *asked.out));
         return intersection_text(report);
       });

@@ -11,6 +11,7 @@
 #include "collinea/epipolar/oriented_intersection.h"
 #include "collinea/jobs/internal/ground_table.h"
 #include "collinea/jobs/internal/pose_estimates.h"
+#include "collinea/jobs/internal/refine_points.h"
 
 namespace collinea {
 namespace {
@@ -125,11 +126,41 @@ void settle(IntersectionReport& report) {
   }
 }
 
+Result<> match_points(IntersectionReport& report, const Rays& rays, const PhotoFrame& frame,
+                      const std::map<std::string, Orientation>& orientations, const IntersectTableOptions& options,
+                      const Run& run) {
+  if (frame.y_up)
+    return fail(Errc::kBadInput, "points are matched in the pixels of image files: give measurements in px",
+                {"images"_option});
+  std::vector<PointToRefine> points;
+  for (const IntersectionReport::Point& point : report.points)
+    if (const auto& of_point = rays.of.at(point.name); point.is_found)
+      points.push_back({point.name, of_point.front().first, of_point.front().second.line.pixel, point.position});
+  std::map<std::string, Rigid3> poses;
+  for (const auto& [name, orientation] : orientations) poses.emplace(name, orientation.cam_from_world);
+  COLLINEA_TRY(report.refined, refine_points(points, poses, frame.camera, *options.images, options.matching, run));
+  return {};
+}
+
+void compare(IntersectionReport& report, const std::map<std::string, GroundTablePoint>& ground) {
+  for (IntersectionReport::Point& point : report.points)
+    if (const auto known = ground.find(point.name); known != ground.end() && point.is_found) {
+      point.has_ground = true;
+      point.off_ground = known->second.position - point.position;
+    }
+  for (IntersectionReport::Refined& point : report.refined)
+    if (const auto known = ground.find(point.name);
+        known != ground.end() && point.match.outcome == MultiImageOutcome::kFound) {
+      point.has_ground = true;
+      point.off_ground = known->second.position - point.match.point_in_world;
+    }
+}
+
 }  // namespace
 
 Result<IntersectionReport> intersect_from_tables(const std::filesystem::path& measurements,
                                                  const std::filesystem::path& orientation,
-                                                 const IntersectTableOptions& options) {
+                                                 const IntersectTableOptions& options, const Run& run) {
   COLLINEA_TRY(validate(options));
   const auto in_file = [&](Error e) { return std::move(e).within(measurements.string()); };
   COLLINEA_TRY(const TextTable table, read_text_table(measurements));
@@ -149,12 +180,11 @@ Result<IntersectionReport> intersect_from_tables(const std::filesystem::path& me
   }
   for (const std::string& name : rays.names) report.points.push_back(point_of(name, rays.of.at(name), frame));
   settle(report);
-  for (IntersectionReport::Point& point : report.points)
-    if (const auto known = ground.find(point.name); known != ground.end() && point.is_found) {
-      point.has_ground = true;
-      point.off_ground = known->second.position - point.position;
-    }
   if (rays.names.empty()) return fail(Errc::kBadInput, measurements.string() + " has no measurements");
+  if (options.images) {
+    COLLINEA_TRY(match_points(report, rays, frame, orientations, options, run));
+  }
+  compare(report, ground);
   return report;
 }
 

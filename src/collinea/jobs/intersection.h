@@ -6,6 +6,7 @@
 
 #include "collinea/base/options.h"
 #include "collinea/base/result.h"
+#include "collinea/base/run.h"
 #include "collinea/io/photo_frame.h"
 #include "collinea/report/intersection_report.h"
 
@@ -16,6 +17,8 @@ struct IntersectTableOptions {
   std::optional<double> sigma;
   std::optional<std::filesystem::path> ground;
   double alpha = 0.001;
+  std::optional<std::filesystem::path> images;
+  MultiImageOptions matching;
 
   template <class Visit>
   static void describe(Visit&& visit) {
@@ -29,14 +32,20 @@ struct IntersectTableOptions {
     visit(Field{"ground", &O::ground, "", "table with point, X, Y, Z of points to compare with"}.leads_to(
         PathKind::kFile));
     visit(Field{"alpha", &O::alpha, "1", "chance with which a test rejects what is right", 1e-6, 0.5});
+    visit(Field{"images", &O::images, "",
+                "folder with the image files, named as in the tables: every point, as the image of its first "
+                "measurement shows it, is matched in all of them at once, all rays meeting"}
+              .leads_to(PathKind::kFolder));
+    visit(Group{"matching", &O::matching});
   }
 };
 
 /// The points of a table of measurements (image, point, x, y, sigma) by the exterior orientations of another (image, X,
 /// Y, Z, omega, phi, kappa, with sigma_ columns where known; principal_distance and principal_point where images differ
-/// Errors: tables, options.
+/// With `images` the points are matched in the pixels, too. Errors: tables, options, images.
 [[nodiscard]] Result<IntersectionReport> intersect_from_tables(const std::filesystem::path& measurements,
                                                                const std::filesystem::path& orientation,
-                                                               const IntersectTableOptions& options);
+                                                               const IntersectTableOptions& options,
+                                                               const Run& run = {});
 
 }  // namespace collinea

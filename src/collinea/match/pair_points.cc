@@ -12,6 +12,7 @@
 #include "collinea/base/parallel.h"
 #include "collinea/feature/interest.h"
 #include "collinea/match/area_matching.h"
+#include "collinea/match/relaxation.h"
 #include "collinea/math/median.h"
 #include "collinea/math/random.h"
 #include "collinea/raster/pyramid.h"
@@ -25,6 +26,7 @@ constexpr double kSmallMinNcc = 0.75;
 constexpr int kPointsOfStage = 300;  // of all but the last
 constexpr int kSearchOfStage_px = 31;
 constexpr std::size_t kFewest = 8;
+constexpr std::size_t kMostCandidates = 8;  // of a point in relaxation
 constexpr int kSamples = 500;
 constexpr double kFarther = 8;  // robust standard deviations from the map
 constexpr double kLeastScatter_px = 1;
@@ -150,6 +152,36 @@ std::vector<MatchedPoint> matches(const GreyImage& left, const GreyImage& right,
   return points;
 }
 
+// The same, by relaxation over all candidates.
+std::vector<MatchedPoint> relaxed(const GreyImage& left, const GreyImage& right,
+                                  const std::vector<InterestPoint>& interest, const std::optional<Agreement>& known,
+                                  AreaOptions options, const Run& run) {
+  options.return_px.reset();
+  options.decisive_ratio = 1;
+  std::vector<PointCandidates> points(interest.size());
+  parallel_for(run, interest.size(), [&](std::size_t i) {
+    const Eigen::Vector2d at = interest[i].position_px;
+    points[i] = {at, known ? predicted(*known, at) : at, {}};
+    const Eigen::Vector2d middle =
+        known ? points[i].expected_px : Eigen::Vector2d(right.width / 2.0, right.height / 2.0);
+    const AreaMatching matching = match_area(left, at, right, middle, options);
+    const Eigen::Vector2d in_pixel(at.x() - std::floor(at.x()), at.y() - std::floor(at.y()));
+    for (const AreaCandidate& candidate : matching.candidates) {
+      if (points[i].candidates.size() == kMostCandidates) break;
+      if (const auto peak = subpixel_peak(matching.surface, candidate.pixel))
+        points[i].candidates.push_back({candidate.pixel.cast<double>() + in_pixel + peak->offset_px, candidate.value});
+    }
+  });
+  std::vector<MatchedPoint> out;
+  const auto decisions = relax(points, {});
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (decisions[i].candidate) {
+      const CandidatePosition& chosen = points[i].candidates[*decisions[i].candidate];
+      out.push_back({points[i].point_px, chosen.position_px, chosen.similarity});
+    }
+  return out;
+}
+
 void scale(Agreement& known, double times) {
   known.map.col(2) *= times;
   for (MatchedPoint& point : known.points) {
@@ -187,7 +219,9 @@ Result<PairPoints> find_pair_points(const GreyImage& left, const GreyImage& righ
         is_last ? area_options(options.template_px, known ? options.search_px : everywhere, options.min_ncc,
                                options.return_px)
                 : area_options(kSmallTemplate_px, known ? kSearchOfStage_px : everywhere, kSmallMinNcc, 1.5);
-    const std::vector<MatchedPoint> found = matches(from, to, interest, known, area, run);
+    const std::vector<MatchedPoint> found = is_last && options.decision == PointDecision::kRelaxation
+                                                ? relaxed(from, to, interest, known, area, run)
+                                                : matches(from, to, interest, known, area, run);
     if (run.stopped()) return fail(Errc::kCancelled, "stopped");
     if (is_last) {
       pair.points = found;

@@ -2,14 +2,24 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include "collinea/base/options.h"
 #include "collinea/base/result.h"
 #include "collinea/base/run.h"
+#include "collinea/base/words.h"
 #include "collinea/raster/raster.h"
 
 namespace collinea {
+
+/// What tells right matches from wrong ones.
+enum class PointDecision { kReturn, kRelaxation };
+inline constexpr Word<PointDecision> kPointDecisionWords[] = {
+    {PointDecision::kReturn, "return", "matched back again it comes to the point, and no other is nearly as good"},
+    {PointDecision::kRelaxation, "relaxation", "of all that are good enough the one that its neighbours bear out"},
+};
+constexpr std::span<const Word<PointDecision>> words(PointDecision) { return kPointDecisionWords; }
 
 struct PairPointOptions {
   int max_points = 1500;
@@ -17,6 +27,7 @@ struct PairPointOptions {
   int template_px = 21;
   int search_px = 61;
   double min_ncc = 0.85;
+  PointDecision decision = PointDecision::kReturn;
   double return_px = 2;
 
   template <class Visit>
@@ -28,6 +39,7 @@ struct PairPointOptions {
     visit(Field{"point_search_px", &O::search_px, "px", "side of the window that is searched round the prediction, odd",
                 7, 1001});
     visit(Field{"point_min_ncc", &O::min_ncc, "1", "smallest correlation", 0, 1});
+    visit(Field{"point_decision", &O::decision, "", "how wrong matches are told from right ones at full resolution"});
     visit(Field{"point_return_px", &O::return_px, "px",
                 "so near must a point, matched to the right and back again, come to itself", 0, 100});
   }

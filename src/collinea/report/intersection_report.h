@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "collinea/match/multi_image_matching.h"
 #include "collinea/report/single_step.h"
 
 namespace collinea {
@@ -27,14 +28,24 @@ struct IntersectionReport {
     bool has_ground = false;
     Eigen::Vector3d off_ground;  ///< given minus computed
   };
+  /// A point found anew by matching its surroundings in all images.
+  struct Refined {
+    std::string name, reference;
+    MultiImagePoint match;
+    std::vector<std::string> images;                  ///< of the views
+    Eigen::Vector3d moved = Eigen::Vector3d::Zero();  ///< from the intersection [m]
+    bool has_ground = false;
+    Eigen::Vector3d off_ground;  ///< given minus found
+  };
   std::string unit;
   bool orientations_have_sigmas = false;
   VarianceTest variance;  ///< of all points together
   std::vector<Point> points;
+  std::vector<Refined> refined;
 };
 
 [[nodiscard]] std::string intersection_text(const IntersectionReport& report);
-/// points, residuals.
+/// points, residuals; refined, windows where points were matched.
 [[nodiscard]] std::vector<NamedTable> intersection_tables(const IntersectionReport& report);
 
 }  // namespace collinea
