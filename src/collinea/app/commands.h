@@ -55,7 +55,7 @@ struct CommandGroup {
        {
            run_command(),
            import_command(),
-           step_command(Step::kDetect, "find features (SIFT) in every image"),
+           step_command(Step::kDetect, "find features (SIFT, or corners of Harris or Foerstner) in every image"),
            step_command(Step::kMatch, "match features between images and verify them"),
            step_command(Step::kOrient, "find poses, cameras and tie points, with GNSS and control"),
            adjust_command(),
