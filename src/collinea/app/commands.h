@@ -35,6 +35,7 @@ Command intersection_command();
 Command absolute_command();
 Command rotation_command();
 Command edges_command();
+Command enhance_command();
 Command models_command();
 Command verify_command();
 Command evaluate_command();
@@ -82,6 +83,7 @@ struct CommandGroup {
            intersection_command(),
            rotation_command(),
            edges_command(),
+           enhance_command(),
            models_command(),
            rectify_command(),
            volume_command(),
