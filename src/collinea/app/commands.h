@@ -35,6 +35,7 @@ Command intersection_command();
 Command absolute_command();
 Command rotation_command();
 Command edges_command();
+Command enhance_command();
 Command models_command();
 Command verify_command();
 Command evaluate_command();
@@ -55,7 +56,7 @@ struct CommandGroup {
        {
            run_command(),
            import_command(),
-           step_command(Step::kDetect, "find features (SIFT) in every image"),
+           step_command(Step::kDetect, "find features (SIFT, or corners of Harris or Foerstner) in every image"),
            step_command(Step::kMatch, "match features between images and verify them"),
            step_command(Step::kOrient, "find poses, cameras and tie points, with GNSS and control"),
            adjust_command(),
@@ -82,6 +83,7 @@ struct CommandGroup {
            intersection_command(),
            rotation_command(),
            edges_command(),
+           enhance_command(),
            models_command(),
            rectify_command(),
            volume_command(),

@@ -195,10 +195,10 @@ TEST(Commands, AStepKeepsTheOptionsThatWereNotGiven) {
   const Outcome detected = collinea_with({"detect", project, "--max-features", "600"});
   EXPECT_EQ(detected.code, 0) << detected.err;
   const Settings after = read_settings(project).value();
-  EXPECT_EQ(after.detect.max_features, 600);
+  EXPECT_EQ(after.detect.sift.max_features, 600);
   EXPECT_EQ(after.seed, 7u);
   Settings expected = before;
-  expected.detect.max_features = 600;
+  expected.detect.sift.max_features = 600;
   EXPECT_EQ(options_text(after, "detect"), options_text(expected, "detect"));
   EXPECT_EQ(options_text(after, "match"), options_text(before, "match"));
 }

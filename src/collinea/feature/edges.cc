@@ -292,6 +292,18 @@ void add_maps(const FloatImage& image, const Fields& fields, EdgeOperator of, do
   }
 }
 
+// The amplitude that this share of the pixels reaches; of large images of some of their rows.
+double exceeded_by(const FloatImage& strength, double share) {
+  if (share >= 1) return 0;
+  std::vector<float> some;
+  const int stride = 1 + int(strength.data.size() / 2'000'000);
+  for (int y = stride / 2; y < strength.height; y += stride)
+    some.insert(some.end(), strength.row(y), strength.row(y) + strength.width);
+  const auto at = some.begin() + std::ptrdiff_t((1 - share) * double(some.size() - 1));
+  std::ranges::nth_element(some, at);
+  return *at;
+}
+
 }  // namespace
 
 FloatImage smoothed(const FloatImage& image, double sigma_px) {
@@ -331,7 +343,8 @@ EdgeMap detect_edges(const FloatImage& image, const EdgeOptions& options) {
   }
   const Fields fields = fields_of(image, of, sigma_px);
   const double noise = map.noise_grey * slope_noise(fields, of, sigma_px);
-  map.high = options.high.value_or(options.low ? std::max(*options.low, kNoiseTimes * noise) : kNoiseTimes * noise);
+  const double by_image = std::max(kNoiseTimes * noise, exceeded_by(fields.strength, options.most_edges));
+  map.high = options.high.value_or(options.low ? std::max(*options.low, by_image) : by_image);
   map.low = std::min(map.high, options.low.value_or(map.high / 2));
   map.along_px = along_edge_px(fields, of, sigma_px);
   std::vector<PixelEdge> found;

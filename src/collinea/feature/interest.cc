@@ -27,6 +27,7 @@ constexpr int kColumnsAtOnce = 2048;       // rows of all channels within the wi
 constexpr double kIsolatedShare = 0.5;     // of the response that a single pixel may make
 constexpr double kLargestElongation = 10;  // of a blob (Lowe 2004)
 constexpr double kSamePoint_px = 0.5;
+constexpr double kLeastOfRegion = 0.02;  // of the contrast that the image asks for
 constexpr double kCircleMisfit = 0.1;    // of a circle beside that of a corner: where both fit, it is a corner
 constexpr float kRounding_grey = 1e-3f;  // of sums of floats: responses of blobs below it are none
 
@@ -43,6 +44,12 @@ int window_radius(const InterestOptions& o) {
 
 // Pixels between a response and the farthest that it depends on.
 int margin(const InterestOptions& o) { return window_radius(o) + (is_blob(o.method) ? 0 : 1); }
+
+// What lies beyond is not known to be weaker: the end of an edge that runs out of the map looks like a maximum.
+bool is_at_the_rim(const MapPixel& m, const GreyImage& image, const InterestOptions& o) {
+  const int rim = margin(o);
+  return m.column <= rim || m.row <= rim || m.column >= image.width - 1 - rim || m.row >= image.height - 1 - rim;
+}
 
 GradientMask mask_of(InterestOperator method) {
   return method == InterestOperator::kKovesi ? GradientMask::kPrewitt : GradientMask::kCentral;
@@ -226,9 +233,17 @@ class Taken {
   std::map<std::pair<int, int>, std::vector<Vector2d>> cells_;
 };
 
-// Indices of the spots by their strength beside what their regions ask for.
+// The contrast that a response stands for: responses grow with its second or fourth power, blobs with itself.
+double power_of_contrast(InterestOperator method) {
+  if (is_blob(method)) return 1;
+  return method == InterestOperator::kHarris ? 0.25 : 0.5;
+}
+
+// Indices of the spots by their contrast beside what their regions ask for: how evenly they are spread then does not
+// depend on the operator.
 std::vector<std::size_t> in_order(std::span<const Spot> spots, const GreyImage& image, const InterestOptions& o) {
-  const std::vector<float> strengths = regional_strengths(spots, image.width, image.height, o.max_points, o.evenness);
+  const std::vector<float> strengths =
+      regional_strengths(spots, image.width, image.height, o.max_points, o.evenness, kLeastOfRegion);
   std::vector<std::size_t> order(spots.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, std::ranges::greater{}, [&](std::size_t i) { return strengths[i]; });
@@ -324,12 +339,15 @@ InterestPoints find_interest_points(const GreyImage& image, const FloatImage& ma
   if (has_covariance(location)) out.noise_grey = o.noise_grey.value_or(noise_of(image));
 
   std::vector<Spot> spots;
+  const double power = power_of_contrast(o.method);
   for (const MapPixel& m : maxima)
-    spots.push_back({static_cast<float>(m.column) + 0.5f, static_cast<float>(m.row) + 0.5f, m.value});
+    spots.push_back({static_cast<float>(m.column) + 0.5f, static_cast<float>(m.row) + 0.5f,
+                     static_cast<float>(std::pow(m.value, power))});
   Taken taken;
   for (const std::size_t i : in_order(spots, image, o)) {
     if (out.points.size() == static_cast<std::size_t>(o.max_points)) break;
     const MapPixel& m = maxima[i];
+    if (is_at_the_rim(m, image, o)) continue;
     if (!o.keep_isolated && is_isolated(image, m.column, m.row, o)) {
       ++out.isolated;
       continue;

@@ -9,6 +9,7 @@
 #include "collinea/feature/internal/extrema.h"
 #include "collinea/feature/internal/scale_space.h"
 #include "collinea/feature/internal/spread.h"
+#include "collinea/feature/internal/strongest_first.h"
 
 namespace collinea {
 namespace {
@@ -126,21 +127,6 @@ Features described(const Detection& detection, std::vector<Oriented> chosen) {
         describe_patch(site.plane.view(), extremum.x, extremum.y, site.blur_px, one.angle_rad));
   }
   return features;
-}
-
-Features strongest_first(const Features& features) {
-  std::vector<std::uint32_t> order(features.keypoints.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::ranges::stable_sort(order, std::ranges::greater{},
-                           [&](std::uint32_t i) { return features.keypoints[i].strength; });
-  Features sorted;
-  sorted.keypoints.reserve(order.size());
-  sorted.descriptors.reserve(order.size());
-  for (const std::uint32_t i : order) {
-    sorted.keypoints.push_back(features.keypoints[i]);
-    sorted.descriptors.push_back(features.descriptors[i]);
-  }
-  return sorted;
 }
 
 }  // namespace

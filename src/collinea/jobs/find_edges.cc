@@ -10,6 +10,7 @@
 #include "collinea/jobs/internal/drawing.h"
 #include "collinea/jobs/internal/edge_tables.h"
 #include "collinea/raster/image_file.h"
+#include "collinea/vector/dxf.h"
 #include "collinea/vector/geopackage.h"
 
 namespace collinea {
@@ -26,6 +27,7 @@ constexpr Colour kEdgeColour{255, 200, 0}, kFoundColour{255, 0, 60};
 // What was found, as a table and as curves for the image and the vectors.
 struct Found {
   TextTable table;
+  TextTable lines = {};  // that the corners are made of
   std::vector<Curve> curves;
   bool are_closed = false;
   std::vector<Vector2d> centres;
@@ -45,6 +47,18 @@ Found lines_among(const EdgeMap& map, const HoughOptions& options) {
     out.curves.push_back({l.line.from, l.line.to});
     out.scaled += l.line.quality.is_scaled;
   }
+  return out;
+}
+
+Found corners_among(const EdgeMap& map, const FindEdgesOptions& options) {
+  const std::vector<FoundLine> lines = hough_lines(edge_points_of(map), options.hough);
+  const std::vector<LineCorner> corners = line_corners(lines, map.points, options.corners);
+  Found out{.table = table_of(corners), .lines = table_of(lines)};
+  for (const FoundLine& l : lines) {
+    out.curves.push_back({l.line.from, l.line.to});
+    out.scaled += l.line.quality.is_scaled;
+  }
+  for (const LineCorner& c : corners) out.centres.push_back(c.at);
   return out;
 }
 
@@ -158,6 +172,8 @@ Result<Found> found_in(const FloatImage& image, const EdgeMap& map, const FindEd
   switch (options.find) {
     case EdgeFind::kLines:
       return lines_among(map, options.hough);
+    case EdgeFind::kCorners:
+      return corners_among(map, options);
     case EdgeFind::kCircles:
       return circles_among(map, options.hough);
     case EdgeFind::kEllipses:
@@ -237,10 +253,12 @@ class Outputs {
     files.push_back(folder_ / name);
     return write_png(files.back(), image);
   }
-  Result<> vectors(const char* name, const std::vector<VectorLayer>& layers) {
+  Result<> vectors(const std::vector<VectorLayer>& layers) {
     if (layers.empty()) return {};
-    files.push_back(folder_ / name);
-    return write_geopackage(files.back(), layers, "");
+    files.push_back(folder_ / "found.gpkg");
+    COLLINEA_TRY(write_geopackage(files.back(), layers, ""));
+    files.push_back(folder_ / "found.dxf");
+    return write_dxf(files.back(), layers);
   }
   std::vector<fs::path> files;
 
@@ -260,12 +278,14 @@ Result<> write_texture(Outputs& outputs, const GreyImage& image, const FindEdges
 Result<> write_all(Outputs& outputs, const GreyImage& image, const EdgeMap& map, const Found& found,
                    const FindEdgesOptions& options) {
   COLLINEA_TRY(outputs.table("found.txt", found.table));
+  if (!found.lines.columns.empty()) COLLINEA_TRY(outputs.table("lines.txt", found.lines));
   if (options.find == EdgeFind::kChains) {
     COLLINEA_TRY(outputs.table("points.txt", edge_point_table(map, options.curvature_px)));
     COLLINEA_TRY(outputs.table("chain_codes.txt", code_table(map)));
     COLLINEA_TRY(outputs.table("fourier.txt", descriptor_table(map)));
   }
-  COLLINEA_TRY(outputs.vectors("found.gpkg", layers_of(found, word_of(options.find))));
+  const bool are_corners = options.find == EdgeFind::kCorners;  // drawn with their lines
+  COLLINEA_TRY(outputs.vectors(layers_of(found, are_corners ? "lines" : word_of(options.find))));
   COLLINEA_TRY(outputs.image("overlay.png", overlay_of(image, map, found)));
   COLLINEA_TRY(outputs.image("amplitude.png", stretched(map.amplitude, std::max(1.0, 5 * map.high))));
   return options.texture ? write_texture(outputs, image, options) : Result<>{};

@@ -10,6 +10,7 @@
 #include "collinea/base/run.h"
 #include "collinea/feature/edges.h"
 #include "collinea/feature/hough.h"
+#include "collinea/feature/line_corners.h"
 #include "collinea/feature/target.h"
 #include "collinea/report/edges_report.h"
 
@@ -20,6 +21,7 @@ struct FindEdgesOptions {
   EdgeFind find = EdgeFind::kChains;
   EdgeOptions edges;
   HoughOptions hough;
+  LineCornerOptions corners;
   TargetKind target = TargetKind::kCircle;
   int target_radius_px = 8;
   std::optional<std::filesystem::path> points;
@@ -37,6 +39,7 @@ struct FindEdgesOptions {
     visit(Field{"find", &O::find, "", "what is made of the edges"});
     visit(Part{&O::edges});
     visit(Part{&O::hough});
+    visit(Part{&O::corners});
     visit(Field{"target", &O::target, "", "with targets: which"});
     visit(Field{"target_radius_px", &O::target_radius_px, "px",
                 "with targets: half width of the window of crosses and chequerboards, and of circles at given points",
@@ -58,8 +61,8 @@ struct FindEdgesOptions {
   }
 };
 
-/// Finds edges in an image and what they draw; tables, an image with what was found, and vectors (GeoPackage; x right,
-/// y up: the row with its sign turned) go into a folder. Errors: files, options.
+/// Finds edges in an image and what they draw; tables, an image with what was found, and vectors (GeoPackage and DXF; x
+/// right, y up: the row with its sign turned) go into a folder. Errors: files, options.
 [[nodiscard]] Result<EdgesReport> find_edges(const std::filesystem::path& image, const std::filesystem::path& folder,
                                              const FindEdgesOptions& options, const Run& run);
 

@@ -44,7 +44,7 @@ TEST_F(FindEdges, TablesVectorsAndImagesOfWhatIsFound) {
     const auto report = find(options);
     ASSERT_TRUE(report) << report.error().message;
     EXPECT_EQ(report->chains, 2u);
-    if (entry.value != EdgeFind::kLines) {
+    if (entry.value != EdgeFind::kLines && entry.value != EdgeFind::kCorners) {
       EXPECT_EQ(report->found.rows.size(), 2u) << entry.word;
     }
     for (const auto& file : report->files) EXPECT_TRUE(is_there(file)) << file;
@@ -113,6 +113,25 @@ TEST_F(FindEdges, TextureIsWrittenWhereItIsAskedFor) {
   options.texture = true;
   ASSERT_TRUE(find(options));
   EXPECT_TRUE(is_there(folder_ / "out/entropy_mask.png"));
+}
+
+TEST_F(FindEdges, CornersAreWhereLinesMeet) {
+  GreyImage image(160, 120, 1, 60);
+  for (int y = 30; y < 90; ++y)
+    for (int x = 40; x < 120; ++x) image.at(x, y) = 180;
+  ASSERT_TRUE(write_png(folder_ / "box.png", image));
+  FindEdgesOptions options;
+  options.find = EdgeFind::kCorners;
+  options.edges.edge_operator = EdgeOperator::kRoberts;
+  const auto report = find_edges(folder_ / "box.png", folder_ / "out", options, {});
+  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_EQ(report->found.rows.size(), 4u);
+  const auto x = *report->found.numbers("x", "px"), y = *report->found.numbers("y", "px");
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(std::abs(x[i] - 80), 40, 0.05);
+    EXPECT_NEAR(std::abs(y[i] - 60), 30, 0.05);
+  }
+  EXPECT_TRUE(is_there(folder_ / "out/lines.txt") && is_there(folder_ / "out/found.dxf"));
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 #include "collinea/dense/depth_map.h"
 #include "collinea/epipolar/two_view.h"
-#include "collinea/feature/sift.h"
+#include "collinea/feature/detect.h"
 #include "collinea/import/import.h"
 #include "collinea/match/descriptors.h"
 #include "collinea/match/pairs.h"
@@ -26,7 +26,7 @@ struct Settings {
   std::string photos;  ///< absolute path of the photo folder
   std::uint64_t seed = 1;
   ImportOptions import;
-  SiftOptions detect;
+  DetectOptions detect;
   PairOptions pairs;
   MatchOptions match;
   VerifyOptions verify;

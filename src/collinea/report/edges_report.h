@@ -12,10 +12,11 @@
 namespace collinea {
 
 /// What can be made of the edges of an image.
-enum class EdgeFind : std::uint8_t { kChains, kLines, kCircles, kEllipses, kTargets, kShapes };
+enum class EdgeFind : std::uint8_t { kChains, kLines, kCorners, kCircles, kEllipses, kTargets, kShapes };
 inline constexpr Word<EdgeFind> kEdgeFindWords[] = {
     {EdgeFind::kChains, "chains", "linked edges, their polygons, chain codes, curvatures and descriptors"},
     {EdgeFind::kLines, "lines", "straight lines (Hough)"},
+    {EdgeFind::kCorners, "corners", "intersections of straight lines"},
     {EdgeFind::kCircles, "circles", "circles (Hough)"},
     {EdgeFind::kEllipses, "ellipses", "linked edges that are ellipses"},
     {EdgeFind::kTargets, "targets", "centres of targets, by least squares of grey values"},

@@ -67,7 +67,7 @@ Result<UnitWorked> detect_one(Project& project, ImageId id, const Image& image, 
   if (!wanted) return skip(wanted.error());
   const auto raster = read_grey(path);
   if (!raster) return skip(raster.error());
-  const Features features = detect_sift(*raster, project.settings.detect);
+  const Features features = detect_features(*raster, project.settings.detect);
   detected = {*wanted, features.keypoints.size()};
   COLLINEA_TRY(project.store.write_features(id, features, detected.hash));
   return UnitWorked{};

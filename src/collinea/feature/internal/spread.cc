@@ -10,8 +10,7 @@
 namespace collinea {
 namespace {
 
-constexpr double kSpotsOfRegion = 16;    // wanted on an average
-constexpr float kLeastThreshold = 0.5f;  // of a region, beside that of the image
+constexpr double kSpotsOfRegion = 16;  // wanted on an average
 
 // The count-th strongest, or nothing where there are fewer.
 float strength_reached(std::vector<float>& strengths, std::size_t count) {
@@ -23,7 +22,8 @@ float strength_reached(std::vector<float>& strengths, std::size_t count) {
 
 }  // namespace
 
-std::vector<float> regional_strengths(std::span<const Spot> spots, int width, int height, int wanted, double evenness) {
+std::vector<float> regional_strengths(std::span<const Spot> spots, int width, int height, int wanted, double evenness,
+                                      double least) {
   std::vector<float> strengths;
   for (const Spot& spot : spots) strengths.push_back(spot.strength);
   const auto count = std::min(spots.size(), static_cast<std::size_t>(std::max(0, wanted)));
@@ -45,7 +45,7 @@ std::vector<float> regional_strengths(std::span<const Spot> spots, int width, in
       static_cast<std::size_t>(std::lround(static_cast<double>(count) / static_cast<double>(regions.size())));
   for (std::size_t r = 0; r < regions.size(); ++r) {
     const float beside_image = strength_reached(regions[r], count_of_region) / of_image;
-    threshold.data[r] = std::max(kLeastThreshold, static_cast<float>(std::pow(beside_image, evenness)));
+    threshold.data[r] = std::max(static_cast<float>(least), static_cast<float>(std::pow(beside_image, evenness)));
   }
   for (std::size_t i = 0; i < spots.size(); ++i)
     strengths[i] /= bilinear(threshold, spots[i].x * per_x, spots[i].y * per_y);

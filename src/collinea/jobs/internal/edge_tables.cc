@@ -58,6 +58,21 @@ TextTable table_of(const std::vector<FoundLine>& lines) {
   return table;
 }
 
+TextTable table_of(const std::vector<LineCorner>& corners) {
+  TextTable table;
+  table.columns = position_columns("corner");
+  add(table.columns, {{"angle", "deg"}, {"gap", "px"}, {"first_line", ""}, {"second_line", ""}});
+  for (const LineCorner& c : corners) {
+    std::vector<std::string> row = {std::to_string(table.rows.size() + 1)};
+    add_position(row, c.at, c.covariance);
+    for (std::string word : {number(c.angle_rad * kDegrees, 3), number(c.gap_px, 2), std::to_string(c.first + 1),
+                             std::to_string(c.second + 1)})
+      row.push_back(std::move(word));
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
 TextTable table_of(const std::vector<FoundCircle>& circles) {
   TextTable table;
   table.columns = position_columns("circle");

@@ -7,6 +7,7 @@
 #include "collinea/feature/curves.h"
 #include "collinea/feature/ellipse.h"
 #include "collinea/feature/hough.h"
+#include "collinea/feature/line_corners.h"
 #include "collinea/feature/target.h"
 #include "collinea/io/text_table.h"
 
@@ -14,6 +15,8 @@
 namespace collinea {
 
 [[nodiscard]] TextTable table_of(const std::vector<FoundLine>& lines);
+/// Lines by their numbers in the table of lines.
+[[nodiscard]] TextTable table_of(const std::vector<LineCorner>& corners);
 [[nodiscard]] TextTable table_of(const std::vector<FoundCircle>& circles);
 [[nodiscard]] TextTable table_of(const std::vector<EdgeEllipse>& ellipses);
 /// With names in place of numbers where there are any.

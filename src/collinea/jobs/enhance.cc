@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/jobs/enhance.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "collinea/base/file.h"
+#include "collinea/base/parallel.h"
+#include "collinea/jobs/internal/out_folder.h"
+#include "collinea/raster/image_file.h"
+
+namespace collinea {
+namespace {
+
+namespace fs = std::filesystem;
+using Bytes = Raster<std::uint8_t>;
+
+void apply(const GreyTable& table, Bytes& image, const Run& run) {
+  constexpr std::size_t kAtOnce = 1 << 20;
+  parallel_for(run, (image.data.size() + kAtOnce - 1) / kAtOnce, [&](std::size_t part) {
+    const std::size_t end = std::min(image.data.size(), (part + 1) * kAtOnce);
+    for (std::size_t i = part * kAtOnce; i < end; ++i) image.data[i] = table[image.data[i]];
+  });
+}
+
+Bytes in_colours(const Bytes& image, Palette palette) {
+  const auto colours = palette_table(palette);
+  Bytes out(image.width, image.height, 3);
+  for (std::size_t i = 0; i < image.data.size(); ++i)
+    std::copy_n(colours[image.data[i]].data(), 3, out.data.data() + 3 * i);
+  return out;
+}
+
+// The image on its way through the steps.
+class Enhancement {
+ public:
+  Enhancement(Bytes image, EnhanceReport& report, const Run& run)
+      : image_(std::move(image)), report_(report), run_(run) {
+    note("image");
+  }
+
+  void filter(const EnhanceOptions& o) {
+    if (o.gaussian_px > 0) become("gaussian", gaussian_filtered(image_, o.gaussian_px, run_));
+    if (o.reduce > 1) become(std::string(word_of(o.reduction)), reduced(image_, o.reduce, o.reduction, run_));
+    if (o.contrast == Contrast::kWallis) become("wallis", wallis_filtered(image_, o.wallis, run_));
+  }
+
+  void use_tables(const EnhanceOptions& o) {
+    if (o.contrast == Contrast::kStretch) {
+      report_.black = here().quantile(o.low_percent / 100);
+      report_.white = here().quantile(o.high_percent / 100);
+      use("stretch", stretch_table(*report_.black, *report_.white));
+    } else if (o.contrast == Contrast::kEqualise) {
+      use("equalise", equalisation_table(here()));
+    }
+    if (o.lut != GreyLut::kNone) use(std::string(word_of(o.lut)), table_of(o));
+  }
+
+  void dither(const EnhanceOptions& o) {
+    if (o.dither == Dither::kFloydSteinberg)
+      become("floyd-steinberg", dithered_by_diffusion(image_, o.levels));
+    else if (o.dither == Dither::kOrdered)
+      become("ordered", dithered_by_cells(image_, o.levels, o.cell_px));
+  }
+
+  [[nodiscard]] const Bytes& image() const { return image_; }
+
+ private:
+  [[nodiscard]] const GreyHistogram& here() const { return report_.steps.back().histogram; }
+  void note(std::string name) {
+    report_.steps.push_back({std::move(name), image_.width, image_.height, grey_histogram(image_)});
+  }
+  void become(std::string name, Bytes image) {
+    image_ = std::move(image);
+    note(std::move(name));
+  }
+  void use(std::string name, const GreyTable& table) {
+    if (report_.table.empty()) report_.table = {identity_table()};
+    report_.table.front() = chained(report_.table.front(), table);
+    apply(table, image_, run_);
+    note(std::move(name));
+  }
+  GreyTable table_of(const EnhanceOptions& o) {
+    switch (o.lut) {
+      case GreyLut::kGamma:
+        return gamma_table(o.gamma);
+      case GreyLut::kNegative:
+        return negative_table();
+      case GreyLut::kSlices:
+        return slicing_table(o.slices);
+      case GreyLut::kThreshold:
+        break;
+      case GreyLut::kNone:
+        return identity_table();
+    }
+    report_.is_threshold_found = !o.threshold;
+    report_.threshold = o.threshold ? *o.threshold : otsu_threshold(here()).value_or(128);
+    return threshold_table(*report_.threshold);
+  }
+
+  Bytes image_;
+  EnhanceReport& report_;
+  const Run& run_;
+};
+
+Result<> check_together(const EnhanceOptions& o) {
+  if (o.colour && o.palette != Palette::kGrey)
+    return fail(Errc::kBadInput, "a palette shows grey values: leave the colours of the image out, or the palette",
+                {"palette"_option, "colour"_option});
+  if (o.contrast == Contrast::kStretch && o.low_percent >= o.high_percent)
+    return fail(Errc::kBadInput, "the lower quantile must lie below the upper one",
+                {"low_percent"_option, "high_percent"_option});
+  return {};
+}
+
+}  // namespace
+
+Result<EnhanceReport> enhance_image(const fs::path& file, const fs::path& folder, const EnhanceOptions& options,
+                                    const Run& run) {
+  COLLINEA_TRY(validate(options));
+  COLLINEA_TRY(check_together(options));
+  COLLINEA_TRY(Bytes image, options.colour ? read_colour(file) : read_grey(file));
+  EnhanceReport report{.image = file.filename().string(), .channels = image.channels};
+  Enhancement work(std::move(image), report, run);
+  work.filter(options);
+  work.use_tables(options);
+  work.dither(options);
+  if (run.stopped()) return fail(Errc::kCancelled, "stopped");
+  COLLINEA_TRY(make_out_folder(folder));
+  const bool is_grey = options.palette == Palette::kGrey;
+  COLLINEA_TRY(write_png(folder / "enhanced.png", is_grey ? work.image() : in_colours(work.image(), options.palette)));
+  COLLINEA_TRY(write_file(folder / "statistics.txt", text_of(grey_statistics_table(report))));
+  COLLINEA_TRY(write_file(folder / "histogram.txt", text_of(histogram_table(report))));
+  COLLINEA_TRY(write_file(folder / "histogram.svg", histogram_svg(report)));
+  return report;
+}
+
+}  // namespace collinea
