@@ -82,7 +82,7 @@ int main(int argc, char** argv) {
                         .grain_blur_px = 0.6,
                         .mark = random.uniform(140, 230),
                         .background = random.uniform(15, 60)};
-    const GreyImage image = rendered_scan(c, truth, 4000, 4000, look, 1.6, random);
+    const GreyImage image = rendered_scan(c, truth, 4000, 4000, look, 1.2, random);
     const auto found =
         find_fiducials(image, c, {.predicted = predicted_scan(c, 4000, 4000, 0.015, 0), .radius_mm = 2}, {});
     std::vector<FilmMark> marks;
