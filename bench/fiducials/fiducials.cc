@@ -7,7 +7,7 @@
 //
 // Prints of each kind how many were found, the error in a coordinate (RMS), the largest error of a position, and
 // chi-squared of errors over covariances for a degree of freedom; then the deformation of the film, likewise. Exit code
-// 1: a mark that is missing or farther off than 0.1 px (cross, dot, ring) or 0.25 px (corner, notch).
+// 1: a mark that is missing or farther off than 0.1 px (cross, dot, ring) or 0.15 px (corner, notch).
 #include <fmt/core.h>
 
 #include <Eigen/LU>
@@ -111,7 +111,7 @@ int main(int argc, char** argv) {
     const Tally& t = tallies[k];
     fmt::print("{:<8}{:>8}{:>7}{:>10.4f}{:>14.4f}{:>13.2f}\n", word_of(kKinds[k]), t.wanted, t.found,
                std::sqrt(t.squares / std::max(1, 2 * t.found)), t.largest, t.chi2 / std::max(1, 2 * t.found));
-    is_good &= t.found == t.wanted && t.largest <= (k < 3 ? 0.1 : 0.25);
+    is_good &= t.found == t.wanted && t.largest <= (k < 3 ? 0.1 : 0.15);
   }
   fmt::print("film deformation of {} scans: chi2/degree {:.2f} (difference of scales), {:.2f} (shear)\n", deformed,
              difference_chi2 / std::max(1, deformed), shear_chi2 / std::max(1, deformed));
