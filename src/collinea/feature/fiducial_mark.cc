@@ -2,9 +2,11 @@
 #include "collinea/feature/fiducial_mark.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace collinea {
 namespace {
@@ -40,15 +42,17 @@ bool is_drawn(MarkKind kind, const Vector2d& at, double size, double line) {
 // Shares of lattice cells that the drawing covers.
 FloatImage coverage(MarkKind kind, double size, double line, double inwards, int half_cells) {
   const int width = 2 * half_cells + 1;
-  constexpr int kFiner = 4;
+  constexpr int kFiner = 5;
   FloatImage image(width, width);
   const double c = std::cos(inwards), s = std::sin(inwards);
   for (int y = 0; y < width; ++y)
     for (int x = 0; x < width; ++x) {
       int drawn = 0;
       for (int k = 0; k < kFiner * kFiner; ++k) {
-        const double u = kSpacing * (x - half_cells - 0.5 + (k % kFiner + 0.5) / kFiner);
-        const double v = kSpacing * (y - half_cells - 0.5 + (k / kFiner + 0.5) / kFiner);
+        // A lattice that is turned: edges along the cells or their diagonals cross it at 25 positions, not at five.
+        const double i = k % kFiner + 0.5, j = k / kFiner + 0.5;
+        const double u = kSpacing * (x - half_cells - 0.5 + (i + (j - kFiner / 2.0) / kFiner) / kFiner);
+        const double v = kSpacing * (y - half_cells - 0.5 + (j - (i - kFiner / 2.0) / kFiner) / kFiner);
         drawn += is_drawn(kind, {c * u + s * v, -s * u + c * v}, size, line);
       }
       image.at(x, y) = float(drawn) / float(kFiner * kFiner);
@@ -120,14 +124,21 @@ std::optional<Sample> sample(const FloatImage& image, const Vector2d& at) {
   return out;
 }
 
-// Unknowns of a match: where the mark is, its map template = warp (pixel - centre), gain and offset.
+// A drawing at two widths of blur, to be mixed; `wider` is missing where there is one only.
+struct Blend {
+  const MarkTemplate* narrower = nullptr;
+  const MarkTemplate* wider = nullptr;
+};
+
+// Unknowns of a match: where the mark is, its map template = warp (pixel - centre), gain and offset, and the share of
+// the wider drawing.
 struct Placement {
   Vector2d centre;
   Matrix2d warp = Matrix2d::Identity();
-  double gain = 0, offset = 0;
+  double gain = 0, offset = 0, wider = 0;
 };
 
-constexpr int kUnknowns = 8;  // shift x, y; warp by rows; gain, offset
+constexpr int kUnknowns = 9;  // shift x, y; warp by rows; gain, offset; wider
 using Row = Eigen::Matrix<double, kUnknowns, 1>;
 using Normals = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
@@ -154,7 +165,8 @@ std::optional<Window> window_about(const GreyImage& scan, const MarkTemplate& dr
   return w;
 }
 
-void fill(Window& w, const GreyImage& scan, const MarkTemplate& drawing, const Placement& at) {
+void fill(Window& w, const GreyImage& scan, const Blend& blend, const Placement& at) {
+  const MarkTemplate& drawing = *blend.narrower;
   const auto n = std::size_t(w.width) * std::size_t(w.width);
   w.rows.assign(n, Row::Zero());
   w.residuals.assign(n, 0);
@@ -164,11 +176,20 @@ void fill(Window& w, const GreyImage& scan, const MarkTemplate& drawing, const P
   for (int y = 0; y < w.width; ++y)
     for (int x = 0; x < w.width; ++x) {
       const Vector2d d = Vector2d(w.left + x + 0.5, w.top + y + 0.5) - at.centre;
-      const auto s = sample(drawing.values, drawing.centre + at.warp * d / drawing.spacing_px);
+      const Vector2d on_drawing = drawing.centre + at.warp * d / drawing.spacing_px;
+      auto s = sample(drawing.values, on_drawing);
       if (!s) continue;
+      double by_wider = 0;
+      if (blend.wider) {
+        const auto other = sample(blend.wider->values, on_drawing);
+        by_wider = other->value - s->value;
+        s->value += at.wider * by_wider;
+        s->gradient += at.wider * (other->gradient - s->gradient);
+      }
       const auto i = std::size_t(y) * std::size_t(w.width) + std::size_t(x);
       const Vector2d g = at.gain * s->gradient / drawing.spacing_px, by_centre = -at.warp.transpose() * g;
-      w.rows[i] << by_centre, g.x() * d.x(), g.x() * d.y(), g.y() * d.x(), g.y() * d.y(), s->value, 1;
+      w.rows[i] << by_centre, g.x() * d.x(), g.x() * d.y(), g.y() * d.x(), g.y() * d.y(), s->value, 1,
+          at.gain * by_wider;
       w.residuals[i] = double(scan.at(w.left + x, w.top + y)) - at.gain * s->value - at.offset;
       w.is_there[i] = 1;
       w.squares += w.residuals[i] * w.residuals[i];
@@ -176,13 +197,14 @@ void fill(Window& w, const GreyImage& scan, const MarkTemplate& drawing, const P
     }
 }
 
-// What is known of the warp beforehand: scale and rotation as stated, affinity and shear to 3 per mille. Without it a
+// What is known of the warp beforehand: scale and rotation as stated, affinity and shear likewise. Without it a
 // ring would have no rotation. Its normal equations, in units of the variance of grey values.
 struct Prior {
   Normals normals = Normals::Zero();
   Row right = Row::Zero();
 };
-Prior prior_of(const Matrix2d& warp, double variance, const MarkPrior& known) {
+Prior prior_of(const Placement& at, double variance, const MarkPrior& known) {
+  const Matrix2d& warp = at.warp;
   Prior out;
   const auto prior = [&](const Eigen::Vector4d& by, double value, double sigma) {
     const double weight = variance / (sigma * sigma);
@@ -192,20 +214,22 @@ Prior prior_of(const Matrix2d& warp, double variance, const MarkPrior& known) {
   const double a = warp(0, 0) - 1, b = warp(0, 1), c = warp(1, 0), d = warp(1, 1) - 1;
   prior({0.5, 0, 0, 0.5}, (a + d) / 2, known.sigma_scale);
   prior({0, -0.5, 0.5, 0}, (c - b) / 2 + std::sin(known.rotation_rad), known.sigma_rotation_rad);
-  prior({0.5, 0, 0, -0.5}, (a - d) / 2, 0.003);
-  prior({0, 0.5, 0.5, 0}, (c + b) / 2, 0.003);
+  prior({0.5, 0, 0, -0.5}, (a - d) / 2, known.sigma_affinity);
+  prior({0, 0.5, 0.5, 0}, (c + b) / 2, known.sigma_affinity);
+  out.normals(8, 8) += variance;
+  out.right[8] -= variance * (at.wider - 0.5);
   return out;
 }
 
 // Gain and offset that fit the template at a position best.
-bool fit_grey(Window& w, const GreyImage& scan, const MarkTemplate& drawing, Placement& at) {
+bool fit_grey(Window& w, const GreyImage& scan, const Blend& blend, Placement& at) {
   at.gain = at.offset = 0;
-  fill(w, scan, drawing, at);
+  fill(w, scan, blend, at);
   Matrix2d normals = Matrix2d::Zero();
   Vector2d right = Vector2d::Zero();
   for (std::size_t i = 0; i < w.rows.size(); ++i)
     if (w.is_there[i]) {
-      const Vector2d row = w.rows[i].tail<2>();
+      const Vector2d row = w.rows[i].segment<2>(6);
       normals += row * row.transpose();
       right += row * w.residuals[i];
     }
@@ -288,17 +312,19 @@ std::optional<Match> finished(const Window& w, const Placement& at, const Normal
   return match;
 }
 
-std::optional<Match> match_one(const GreyImage& scan, const MarkTemplate& drawing, const Vector2d& start,
+std::optional<Match> match_one(const GreyImage& scan, const Blend& blend, const Vector2d& start,
                                const MarkPrior& known) {
+  const MarkTemplate& drawing = *blend.narrower;
   auto window = window_about(scan, drawing, start);
   if (!window) return std::nullopt;
   Placement at{start};
+  at.wider = blend.wider ? 0.5 : 0;
   at.warp << std::cos(known.rotation_rad), std::sin(known.rotation_rad), -std::sin(known.rotation_rad),
       std::cos(known.rotation_rad);
-  if (!fit_grey(*window, scan, drawing, at)) return std::nullopt;
+  if (!fit_grey(*window, scan, blend, at)) return std::nullopt;
   const double farthest = std::max(3.0, drawing.half_px() / 2);
   for (int round = 0; round < 40; ++round) {
-    fill(*window, scan, drawing, at);
+    fill(*window, scan, blend, at);
     if (window->count < 4 * kUnknowns) return std::nullopt;
     Normals normals = Normals::Zero();
     Row right = Row::Zero();
@@ -308,7 +334,7 @@ std::optional<Match> match_one(const GreyImage& scan, const MarkTemplate& drawin
         right += window->rows[i] * window->residuals[i];
       }
     const double variance = std::max(1e-3, window->squares / window->count);
-    const Prior prior = prior_of(at.warp, variance, known);
+    const Prior prior = prior_of(at, variance, known);
     normals += prior.normals;
     right += prior.right;
     const Row step = normals.ldlt().solve(right);
@@ -325,6 +351,7 @@ std::optional<Match> match_one(const GreyImage& scan, const MarkTemplate& drawin
     at.warp(1, 1) += shorter * step[5];
     at.gain += shorter * step[6];
     at.offset += shorter * step[7];
+    if (blend.wider) at.wider += shorter * step[8];
     if ((at.centre - start).norm() > farthest) return std::nullopt;
     // The window follows by whole pixels only when it must: it would go to and fro about a pixel's edge.
     const double middle = window->width / 2.0;
@@ -348,21 +375,31 @@ MarkModel drawn_mark(MarkKind kind, double size_px, double line_px, double inwar
 
 std::optional<FoundMark> match_mark(const GreyImage& scan, const MarkModel& mark, const Vector2d& start,
                                     const MarkPrior& prior) {
-  std::optional<Match> best;
+  std::vector<std::optional<Match>> matches(mark.blurred.size());
+  std::optional<std::size_t> best;
   Vector2d from = start;
   // From the widest blur, which draws in from farthest, to the narrowest.
-  for (auto drawing = mark.blurred.rbegin(); drawing != mark.blurred.rend(); ++drawing) {
-    const auto match = match_one(scan, *drawing, from, prior);
-    if (!match || std::abs(match->found.correlation) < 0.3) {
-      if (best) continue;
-      if (drawing - mark.blurred.rbegin() > 1) return std::nullopt;
+  for (std::size_t k = mark.blurred.size(); k-- > 0;) {
+    matches[k] = match_one(scan, {&mark.blurred[k]}, from, prior);
+    if (!matches[k] || std::abs(matches[k]->found.correlation) < 0.3) {
+      matches[k].reset();
+      if (!best && k + 2 < mark.blurred.size()) return std::nullopt;
       continue;
     }
-    from = match->found.pixel;
-    if (!best || match->variance < best->variance) best = match;
+    from = matches[k]->found.pixel;
+    if (!best || matches[k]->variance < matches[*best]->variance) best = k;
   }
-  if (!best || std::abs(best->found.correlation) < 0.5) return std::nullopt;
-  return best->found;
+  if (!best || std::abs(matches[*best]->found.correlation) < 0.5) return std::nullopt;
+  // Between the best blur and the better one of its neighbours.
+  const auto variance_at = [&](std::size_t k) {
+    return k < matches.size() && matches[k] ? matches[k]->variance : std::numeric_limits<double>::infinity();
+  };
+  const std::size_t narrower = variance_at(*best - 1) < variance_at(*best + 1) ? *best - 1 : *best;
+  if (narrower + 1 < matches.size() && matches[narrower] && matches[narrower + 1])
+    if (const auto between =
+            match_one(scan, {&mark.blurred[narrower], &mark.blurred[narrower + 1]}, matches[*best]->found.pixel, prior))
+      return between->found;
+  return matches[*best]->found;
 }
 
 }  // namespace collinea

@@ -43,9 +43,10 @@ struct FoundMark {
   double correlation = 0;                                    ///< of drawing and pixels; below zero: dark on bright
 };
 
-/// What is known of a mark beforehand: how it is turned against its drawing, and how well; how well its size is known.
+/// What is known of a mark beforehand: how it is turned against its drawing, and how well; how well its size is known,
+/// and its two scales and the angle between them.
 struct MarkPrior {
-  double rotation_rad = 0, sigma_rotation_rad = 0.03, sigma_scale = 0.03;
+  double rotation_rad = 0, sigma_rotation_rad = 0.03, sigma_scale = 0.03, sigma_affinity = 0.003;
 };
 
 /// The mark near a position (to about an eighth of its size), by least squares matching of the drawing onto the pixels:

@@ -50,8 +50,8 @@ TEST_P(MarkOfAKind, ItsPositionIsExactAndItsCovarianceTrue) {
     const ScanLook look{.blur_px = random.uniform(0.7, 1.8), .grain = 4, .grain_blur_px = 0.6};
     const GreyImage scan = rendered_scan(c, truth, 200, 200, look, 1.0, random);
     const Vector2d at = truth.pixel_of(c.marks[0].film_mm);
-    const auto found =
-        match_mark(scan, drawn, at + Vector2d(random.uniform(-2, 2), random.uniform(-2, 2)), {rotation, 0.002, 0.03});
+    const auto found = match_mark(scan, drawn, at + Vector2d(random.uniform(-2, 2), random.uniform(-2, 2)),
+                                  {rotation, 0.001, 0.03, 0.001});
     ASSERT_TRUE(found) << at.transpose() << word_of(kind) << seed;
     const Vector2d off = found->pixel - at;
     chi2 += off.dot(found->covariance.inverse() * off);

@@ -265,7 +265,7 @@ std::vector<FoundFiducial> matched_again(const GreyImage& scan, const FilmCalibr
   std::vector<FoundFiducial> out;
   for (const Candidate* one : chosen) {
     if (!one) continue;
-    const auto again = match_mark(scan, models[one->mark], one->found.pixel, {rotation, 0.002, 0.03});
+    const auto again = match_mark(scan, models[one->mark], one->found.pixel, {rotation, 0.001, 0.03, 0.001});
     out.push_back({calibration.marks[one->mark].name, again ? *again : one->found});
   }
   return out;

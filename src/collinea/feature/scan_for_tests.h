@@ -85,16 +85,16 @@ inline GreyImage rendered_scan(const FilmCalibration& calibration, const FilmTra
     const double c = has_axis ? std::cos(inwards) : 1, s = has_axis ? std::sin(inwards) : 0;
     // The inverse of the truth, linear about the mark: exact for an affine film.
     const Eigen::Matrix2d film_by_pixel = truth.by_film(mark.film_mm).inverse();
-    constexpr int kFiner = 5;
+    constexpr int kFiner = 10;
     for (int y = 0; y < part.height; ++y)
       for (int x = 0; x < part.width; ++x) {
         noise.at(x, y) = float(random.normal());
         double sum = 0;
         for (int k = 0; k < kFiner * kFiner; ++k) {
-          // A lattice that is turned: edges along rows and columns cross it at 25 positions of a pixel, not at five.
+          // A lattice that is turned: edges along rows and columns cross it at 100 positions of a pixel, not at ten.
           const double i = k % kFiner + 0.5, j = k / kFiner + 0.5;
-          const Eigen::Vector2d at(left + x + (i + (j - 2.5) / kFiner) / kFiner,
-                                   top + y + (j - (i - 2.5) / kFiner) / kFiner);
+          const Eigen::Vector2d at(left + x + (i + (j - kFiner / 2.0) / kFiner) / kFiner,
+                                   top + y + (j - (i - kFiner / 2.0) / kFiner) / kFiner);
           const Eigen::Vector2d film = film_by_pixel * (at - middle);
           sum += brightness(mark.kind.value_or(MarkKind::kCross), c * film.x() + s * film.y(),
                             -s * film.x() + c * film.y(), calibration.mark_size_mm, calibration.line_mm);

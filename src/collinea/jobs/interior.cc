@@ -205,24 +205,44 @@ Result<> orient_table(InteriorReport& report, const fs::path& measurements, cons
   return {};
 }
 
+// That of the file, with the nominal marks where it has none; without a file, those alone.
+Result<FilmCalibration> calibration_of(const InteriorOptions& options) {
+  if (!options.calibration) {
+    if (options.points)
+      return fail(Errc::kBadInput,
+                  "points are brought to the principal point and freed from the lens: that needs a calibration",
+                  {"calibration"_option});
+    return nominal_calibration(*options.gallery);
+  }
+  COLLINEA_TRY(FilmCalibration calibration, read_film_calibration(*options.calibration));
+  if (options.gallery) {
+    if (!calibration.marks.empty())
+      return fail(Errc::kBadInput, "the calibration has marks of its own", {"gallery"_option});
+    calibration.marks = nominal_calibration(*options.gallery).marks;
+  }
+  return calibration;
+}
+
 }  // namespace
 
 Result<InteriorReport> interior_orientation(const fs::path& measurements, const InteriorOptions& options,
                                             const Run& run) {
   COLLINEA_TRY(validate(options));
-  if (!options.calibration)
-    return fail(Errc::kBadInput, "nothing says what the camera is: give its calibration", {"calibration"_option});
+  if (!options.calibration && !options.gallery)
+    return fail(Errc::kBadInput, "nothing says what the camera is: give its calibration, or its type",
+                {"calibration"_option, "gallery"_option});
   if (measurements.empty() == !options.principal_point_px)
     return fail(Errc::kBadInput, "an orientation is made from measured marks or from the principal point, one of both",
                 {"principal_point_px"_option});
   InteriorReport report;
-  COLLINEA_TRY(report.calibration, read_film_calibration(*options.calibration));
+  COLLINEA_TRY(report.calibration, calibration_of(options));
   COLLINEA_TRY(const auto pixel_mm, pixel_mm_of(options));
   if (measurements.empty()) {
     COLLINEA_TRY(auto image, orient_without_marks(report.calibration, options, pixel_mm));
     report.images.push_back(std::move(image));
   } else if (report.calibration.marks.empty()) {
-    return fail(Errc::kBadInput, "the calibration has no marks: lines mark NAME X Y", {"calibration"_option});
+    return fail(Errc::kBadInput, "the calibration has no marks: lines mark NAME X Y, or its type",
+                {"calibration"_option, "gallery"_option});
   } else if (is_scan(measurements)) {
     COLLINEA_TRY(orient_scans(report, measurements, options, pixel_mm, run));
   } else {

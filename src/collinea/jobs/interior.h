@@ -8,6 +8,7 @@
 #include "collinea/base/options.h"
 #include "collinea/base/result.h"
 #include "collinea/base/run.h"
+#include "collinea/camera/film_gallery.h"
 #include "collinea/camera/film_transformation.h"
 #include "collinea/jobs/internal/scan_marks.h"
 #include "collinea/report/interior_report.h"
@@ -16,6 +17,7 @@ namespace collinea {
 
 struct InteriorOptions {
   std::optional<std::filesystem::path> calibration = {};
+  std::optional<FilmCameraType> gallery = {};
   std::optional<FilmModel> model = {};
   std::optional<double> sigma = {};
   std::optional<double> pixel_um = {}, dpi = {};
@@ -32,6 +34,8 @@ struct InteriorOptions {
     visit(Field{"calibration", &O::calibration, "",
                 "calibration of the camera: marks, principal distance and point, lens"}
               .leads_to(PathKind::kFile));
+    visit(Field{"gallery", &O::gallery, "",
+                "common camera whose nominal marks take the place of a calibration, or of its marks"});
     visit(Field{"model", &O::model, "", "transformation between film and scan"}.or_auto(
         "the smallest that the larger ones do not reject"));
     visit(

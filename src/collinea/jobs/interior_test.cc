@@ -66,6 +66,23 @@ TEST_F(Interior, ARealPhotographIsOrientedToAPixel) {
     EXPECT_TRUE(read_text_table(folder_ / "out" / name)) << name;
 }
 
+TEST_F(Interior, TheGalleryOrientsWithoutACalibration) {
+  const auto done = interior_orientation(file("marks.txt", kMarks), {.gallery = FilmCameraType::kRc30}, {});
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_EQ(done->images[0].orientation.fit.marks.size(), 8u);
+  EXPECT_LT(done->images[0].orientation.fit.sigma0, 1.5);
+  EXPECT_NE(interior_text(*done).find("rc30, nominal: 8 marks, no calibration"), std::string::npos);
+  auto asked = options();
+  asked.gallery = FilmCameraType::kRc30;
+  EXPECT_NE(message(kMarks, asked).find("marks of its own"), std::string::npos);
+  asked.calibration = file("lens.txt", "principal_distance_mm 153.358\n");
+  EXPECT_EQ(message(kMarks, asked), "");
+  InteriorOptions bare{.gallery = FilmCameraType::kRc30};
+  bare.points = file("points.txt", "point x[px] y[px]\n100 9447 2295\n");
+  EXPECT_NE(message(kMarks, bare).find("needs a calibration"), std::string::npos);
+  EXPECT_NE(message(kMarks, {}).find("its type"), std::string::npos);
+}
+
 TEST_F(Interior, RowsFromBelowAreAMirror) {
   std::string marks = "mark x[px] y[px]\n";
   std::istringstream rows(kMarks);

@@ -130,11 +130,15 @@ std::string image_text(const Image& image, const InteriorReport& report) {
 }  // namespace
 
 std::string interior_text(const InteriorReport& report) {
+  const bool is_nominal = !(report.calibration.principal_distance_mm > 0);
   std::string text =
-      fmt::format("{}: principal distance {} mm, principal point {} {} mm, {} marks\n",
-                  report.calibration.camera.empty() ? "camera" : report.calibration.camera,
-                  exact(report.calibration.principal_distance_mm), exact(report.calibration.principal_point_mm.x()),
-                  exact(report.calibration.principal_point_mm.y()), report.calibration.marks.size());
+      is_nominal
+          ? fmt::format("{}: {} marks, no calibration\n", report.calibration.camera, report.calibration.marks.size())
+          : fmt::format("{}: principal distance {} mm, principal point {} {} mm, {} marks\n",
+                        report.calibration.camera.empty() ? "camera" : report.calibration.camera,
+                        exact(report.calibration.principal_distance_mm),
+                        exact(report.calibration.principal_point_mm.x()),
+                        exact(report.calibration.principal_point_mm.y()), report.calibration.marks.size());
   if (report.calibration.radial_rms_mm > 0)
     text += fmt::format("the polynomial differs from the table of the distortion by {:.2f} um (RMS)\n",
                         1e3 * report.calibration.radial_rms_mm);
