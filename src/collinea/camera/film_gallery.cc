@@ -18,7 +18,6 @@ NominalMarks nominal_marks(FilmCameraType type) {
     case FilmCameraType::kRc8:
       return {106, 0};
     case FilmCameraType::kRc10:
-    case FilmCameraType::kRc20:
       return {106, 110};
     case FilmCameraType::kRc30:
       return {106, 112};
@@ -34,9 +33,9 @@ FilmCalibration nominal_calibration(FilmCameraType type) {
   const auto [corner, side] = nominal_marks(type);
   FilmCalibration c;
   c.camera = std::string(word_of(type)) + ", nominal";
+  const MarkKind kind = type == FilmCameraType::kRmkA ? MarkKind::kDot : MarkKind::kCross;
   const auto add = [&](int number, double x, double y) {
-    c.marks.push_back(
-        {.name = std::to_string(number), .film_mm = {x, y}, .sigma_mm = kNominalSigma_mm, .kind = MarkKind::kCross});
+    c.marks.push_back({.name = std::to_string(number), .film_mm = {x, y}, .sigma_mm = kNominalSigma_mm, .kind = kind});
   };
   if (corner > 0) {
     add(1, -corner, -corner);

@@ -19,15 +19,16 @@ constexpr double kDescribingLevel = 2;  // of SIFT's octave: a blur of 2.54 px
 constexpr double kGreyRange = 255;
 constexpr double kOfFirstLevel = 0.75;  // 1 + 1/4 + 1/16 ... = 1 / 0.75
 
-// Responses of Harris grow with the fourth power of contrast, those of Foerstner with its square.
-double power_of(Detector detector) { return detector == Detector::kHarris ? 0.25 : 0.5; }
+InterestOperator operator_of(Detector detector) {
+  return detector == Detector::kHarris ? InterestOperator::kHarris : InterestOperator::kFoerstner;
+}
 
 InterestOptions corner_options(const DetectOptions& o, int most) {
   InterestOptions corners;
-  corners.method = o.detector == Detector::kHarris ? InterestOperator::kHarris : InterestOperator::kFoerstner;
+  corners.method = operator_of(o.detector);
   corners.max_points = most;
   corners.evenness = o.sift.evenness;
-  corners.threshold = std::pow(kGreyRange * o.sift.peak_threshold, 1 / power_of(o.detector));
+  corners.threshold = std::pow(kGreyRange * o.sift.peak_threshold, 1 / contrast_power(corners.method));
   corners.noise_grey = 1;  // positions do not depend on it, and covariances are not kept
   return corners;
 }
@@ -42,11 +43,12 @@ void append_level(const GreyImage& image, const DetectOptions& o, int level, int
     const auto x = static_cast<float>(p.position_px.x() - 0.5), y = static_cast<float>(p.position_px.y() - 0.5);
     const MainDirections directions = main_directions(plane.view(), x, y, blur_px);
     for (std::size_t k = 0; k < directions.count && features.keypoints.size() < enough; ++k) {
-      features.keypoints.push_back({.x = static_cast<float>(p.position_px.x() * pixel_px),
-                                    .y = static_cast<float>(p.position_px.y() * pixel_px),
-                                    .scale_px = static_cast<float>(blur_px * pixel_px),
-                                    .angle_rad = directions.angle_rad[k],
-                                    .strength = static_cast<float>(std::pow(p.strength, power_of(o.detector)))});
+      features.keypoints.push_back(
+          {.x = static_cast<float>(p.position_px.x() * pixel_px),
+           .y = static_cast<float>(p.position_px.y() * pixel_px),
+           .scale_px = static_cast<float>(blur_px * pixel_px),
+           .angle_rad = directions.angle_rad[k],
+           .strength = static_cast<float>(std::pow(p.strength, contrast_power(operator_of(o.detector))))});
       features.descriptors.push_back(describe_patch(plane.view(), x, y, blur_px, directions.angle_rad[k]));
     }
   }

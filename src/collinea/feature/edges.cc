@@ -296,7 +296,7 @@ void add_maps(const FloatImage& image, const Fields& fields, EdgeOperator of, do
 double exceeded_by(const FloatImage& strength, double share) {
   if (share >= 1) return 0;
   std::vector<float> some;
-  const int stride = 1 + int(strength.data.size() / 2'000'000);
+  const int stride = std::min(strength.height, 1 + int(strength.data.size() / 2'000'000));
   for (int y = stride / 2; y < strength.height; y += stride)
     some.insert(some.end(), strength.row(y), strength.row(y) + strength.width);
   const auto at = some.begin() + std::ptrdiff_t((1 - share) * double(some.size() - 1));

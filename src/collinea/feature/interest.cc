@@ -233,12 +233,6 @@ class Taken {
   std::map<std::pair<int, int>, std::vector<Vector2d>> cells_;
 };
 
-// The contrast that a response stands for: responses grow with its second or fourth power, blobs with itself.
-double power_of_contrast(InterestOperator method) {
-  if (is_blob(method)) return 1;
-  return method == InterestOperator::kHarris ? 0.25 : 0.5;
-}
-
 // Indices of the spots by their contrast beside what their regions ask for: how evenly they are spread then does not
 // depend on the operator.
 std::vector<std::size_t> in_order(std::span<const Spot> spots, const GreyImage& image, const InterestOptions& o) {
@@ -328,6 +322,11 @@ bool is_isolated(const GreyImage& image, int column, int row, const InterestOpti
   return strongest() < static_cast<float>(kIsolatedShare) * before;
 }
 
+double contrast_power(InterestOperator method) {
+  if (is_blob(method)) return 1;
+  return method == InterestOperator::kHarris ? 0.25 : 0.5;
+}
+
 InterestPoints find_interest_points(const GreyImage& image, const FloatImage& map, const InterestOptions& o) {
   if (o.method == InterestOperator::kSift) return sift_points(image, o);
   InterestPoints out;
@@ -339,7 +338,7 @@ InterestPoints find_interest_points(const GreyImage& image, const FloatImage& ma
   if (has_covariance(location)) out.noise_grey = o.noise_grey.value_or(noise_of(image));
 
   std::vector<Spot> spots;
-  const double power = power_of_contrast(o.method);
+  const double power = contrast_power(o.method);
   for (const MapPixel& m : maxima)
     spots.push_back({static_cast<float>(m.column) + 0.5f, static_cast<float>(m.row) + 0.5f,
                      static_cast<float>(std::pow(m.value, power))});

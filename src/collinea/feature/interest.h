@@ -123,6 +123,10 @@ struct InterestPoints {
 [[nodiscard]] InterestPoints find_interest_points(const GreyImage& image, const FloatImage& map,
                                                   const InterestOptions& options);
 
+/// The power of a response that grows as contrast does: responses of Harris grow with its fourth power, those of blobs
+/// with itself, the others with its square.
+[[nodiscard]] double contrast_power(InterestOperator method);
+
 /// Whether the response at a pixel rests on one pixel: it falls below half when, of the 3 x 3 pixels around, the one
 /// that differs most from the median of its neighbours takes their value.
 [[nodiscard]] bool is_isolated(const GreyImage& image, int column, int row, const InterestOptions& options);

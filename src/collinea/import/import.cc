@@ -37,14 +37,6 @@ struct ImageFile {
   Result<std::uint64_t> hash = fail(Errc::kNotFound, "not read");
 };
 
-bool looks_like_image(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return extension == ".jpg" || extension == ".jpeg" || extension == ".png" || extension == ".tif" ||
-         extension == ".tiff";
-}
-
 // A project below the photo folder, or in it, holds rasters that are no images.
 bool belongs_to_project(const fs::path& directory) {
   std::error_code ignored;
@@ -76,7 +68,7 @@ Listing files_below(const fs::path& folder) {
     for (auto it = fs::directory_iterator(here, error); !error && it != fs::directory_iterator(); it.increment(error))
       if (it->is_directory(ignored)) {
         if (!it->is_symlink(ignored) && !belongs_to_project(it->path())) left.push_back(it->path());
-      } else if (it->is_regular_file(ignored) && looks_like_image(it->path())) {
+      } else if (it->is_regular_file(ignored) && is_image_name(it->path())) {
         listing.files.push_back(path_below(folder, it->path()));
       }
     if (error)

@@ -2,6 +2,7 @@
 #include "collinea/jobs/enhance.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "collinea/base/file.h"
@@ -45,7 +46,8 @@ class Enhancement {
     if (o.contrast == Contrast::kWallis) become("wallis", wallis_filtered(image_, o.wallis, run_));
   }
 
-  void use_tables(const EnhanceOptions& o) {
+  // Error: a threshold is to be found where there is one grey value alone.
+  Result<> use_tables(const EnhanceOptions& o) {
     if (o.contrast == Contrast::kStretch) {
       report_.black = here().quantile(o.low_percent / 100);
       report_.white = here().quantile(o.high_percent / 100);
@@ -53,7 +55,16 @@ class Enhancement {
     } else if (o.contrast == Contrast::kEqualise) {
       use("equalise", equalisation_table(here()));
     }
+    if (o.lut == GreyLut::kThreshold) {
+      const std::optional<int> threshold = o.threshold ? o.threshold : otsu_threshold(here());
+      if (!threshold)
+        return fail(Errc::kIllPosed, "the image has one grey value, which no threshold parts: give one",
+                    {"threshold"_option});
+      report_.is_threshold_found = !o.threshold;
+      report_.threshold = threshold;
+    }
     if (o.lut != GreyLut::kNone) use(std::string(word_of(o.lut)), table_of(o));
+    return {};
   }
 
   void dither(const EnhanceOptions& o) {
@@ -89,19 +100,40 @@ class Enhancement {
       case GreyLut::kSlices:
         return slicing_table(o.slices);
       case GreyLut::kThreshold:
-        break;
+        return threshold_table(*report_.threshold);
       case GreyLut::kNone:
-        return identity_table();
+        break;
     }
-    report_.is_threshold_found = !o.threshold;
-    report_.threshold = o.threshold ? *o.threshold : otsu_threshold(here()).value_or(128);
-    return threshold_table(*report_.threshold);
+    return identity_table();
   }
 
   Bytes image_;
   EnhanceReport& report_;
   const Run& run_;
 };
+
+// Options of something that is not done: whoever gives one believes that it is.
+Result<> check_read(const EnhanceOptions& o) {
+  const EnhanceOptions usual;
+  if (o.reduction != usual.reduction && o.reduce <= 1)
+    return fail(Errc::kBadInput, "nothing is reduced", {"reduction"_option, "reduce"_option});
+  if ((o.low_percent != usual.low_percent || o.high_percent != usual.high_percent) && o.contrast != Contrast::kStretch)
+    return fail(Errc::kBadInput, "only a stretch has quantiles",
+                {"low_percent"_option, "high_percent"_option, "contrast"_option});
+  if (o.wallis != usual.wallis && o.contrast != Contrast::kWallis)
+    return fail(Errc::kBadInput, "Wallis' filter is not asked for", {"wallis_window_px"_option, "contrast"_option});
+  if (o.gamma != usual.gamma && o.lut != GreyLut::kGamma)
+    return fail(Errc::kBadInput, "nothing is raised to a power", {"gamma"_option, "lut"_option});
+  if (o.threshold && o.lut != GreyLut::kThreshold)
+    return fail(Errc::kBadInput, "nothing has a threshold", {"threshold"_option, "lut"_option});
+  if (o.slices != usual.slices && o.lut != GreyLut::kSlices)
+    return fail(Errc::kBadInput, "nothing is sliced", {"slices"_option, "lut"_option});
+  if (o.levels != usual.levels && o.dither == Dither::kNone)
+    return fail(Errc::kBadInput, "nothing is dithered", {"levels"_option, "dither"_option});
+  if (o.cell_px != usual.cell_px && o.dither != Dither::kOrdered)
+    return fail(Errc::kBadInput, "only ordered dithering has cells", {"cell_px"_option, "dither"_option});
+  return {};
+}
 
 Result<> check_together(const EnhanceOptions& o) {
   if (o.colour && o.palette != Palette::kGrey)
@@ -119,11 +151,12 @@ Result<EnhanceReport> enhance_image(const fs::path& file, const fs::path& folder
                                     const Run& run) {
   COLLINEA_TRY(validate(options));
   COLLINEA_TRY(check_together(options));
+  COLLINEA_TRY(check_read(options));
   COLLINEA_TRY(Bytes image, options.colour ? read_colour(file) : read_grey(file));
   EnhanceReport report{.image = file.filename().string(), .channels = image.channels};
   Enhancement work(std::move(image), report, run);
   work.filter(options);
-  work.use_tables(options);
+  COLLINEA_TRY(work.use_tables(options));
   work.dither(options);
   if (run.stopped()) return fail(Errc::kCancelled, "stopped");
   COLLINEA_TRY(make_out_folder(folder));

@@ -77,7 +77,8 @@ struct EnhanceOptions {
 
 /// Enhances an image for the eye or for measurement, in the order of the options, and writes into `folder`:
 /// enhanced.png, statistics.txt (grey values after each step), histogram.txt and .svg (before and after). The images
-/// are held as bytes, filters work by strips. Errors: files, options, a palette for colours.
+/// are held as bytes, filters work by strips. Errors: files, options, those of what is not done, a palette for colours,
+/// a threshold to be found in one grey value.
 [[nodiscard]] Result<EnhanceReport> enhance_image(const std::filesystem::path& image,
                                                   const std::filesystem::path& folder, const EnhanceOptions& options,
                                                   const Run& run);

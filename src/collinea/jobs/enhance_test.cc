@@ -86,6 +86,24 @@ TEST(EnhanceJob, RefusesWhatDoesNotGoTogether) {
   EXPECT_FALSE(
       enhance_image(file, folder / "out", {.contrast = Contrast::kStretch, .low_percent = 95, .high_percent = 5}, {}));
   EXPECT_FALSE(enhance_image(file, folder / "out", {.reduce = 0.5}, {}));
+  for (const EnhanceOptions& unread :
+       {EnhanceOptions{.reduction = Reduction::kSinc}, EnhanceOptions{.low_percent = 1},
+        EnhanceOptions{.wallis = {.window_px = 9}}, EnhanceOptions{.gamma = 3}, EnhanceOptions{.threshold = 90},
+        EnhanceOptions{.slices = 3}, EnhanceOptions{.levels = 3},
+        EnhanceOptions{.dither = Dither::kFloydSteinberg, .cell_px = 3}}) {
+    const auto refused = enhance_image(file, folder / "out", unread, {});
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, Errc::kBadInput);
+  }
+}
+
+TEST(EnhanceJob, FindsNoThresholdInOneGreyValue) {
+  const TestFolder folder;
+  ASSERT_TRUE(write_png(folder / "flat.png", GreyImage(20, 20, 1, 80)));
+  const auto found = enhance_image(folder / "flat.png", folder / "out", {.lut = GreyLut::kThreshold}, {});
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().code, Errc::kIllPosed);
+  EXPECT_TRUE(enhance_image(folder / "flat.png", folder / "out", {.lut = GreyLut::kThreshold, .threshold = 90}, {}));
 }
 
 }  // namespace

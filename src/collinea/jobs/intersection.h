@@ -41,7 +41,7 @@ struct IntersectTableOptions {
 };
 
 /// The points of a table of measurements (image, point, x, y, sigma) by the exterior orientations of another (image, X,
-/// Y, Z, omega, phi, kappa, with sigma_ columns where known; principal_distance and principal_point where images differ
+/// Y, Z, omega, phi, kappa, with sigma_ columns where known). All images are of one camera.
 /// With `images` the points are matched in the pixels, too. Errors: tables, options, images.
 [[nodiscard]] Result<IntersectionReport> intersect_from_tables(const std::filesystem::path& measurements,
                                                                const std::filesystem::path& orientation,

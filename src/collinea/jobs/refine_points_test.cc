@@ -151,8 +151,10 @@ TEST_F(RefinedFacade, MissingImagesAndOtherUnitsAreNamed) {
   ASSERT_FALSE(no_folder);
   EXPECT_NE(no_folder.error().message.find("none"), std::string::npos) << no_folder.error().message;
   options_.images = folder_ / "";
-  ASSERT_TRUE(write_file(folder_ / "mm.txt", "image point x[mm] y[mm]\nI0 1 0 0\nI1 1 1 0\n"));
-  EXPECT_FALSE(intersect_from_tables(folder_ / "mm.txt", folder_ / "poses.txt", options_));
+  ASSERT_TRUE(write_file(folder_ / "mm.txt", "image point x[mm] y[mm]\nI4 1 0 0\nI5 1 0.1 0\n"));
+  const auto millimetres = intersect_from_tables(folder_ / "mm.txt", folder_ / "poses.txt", options_);
+  ASSERT_FALSE(millimetres);
+  EXPECT_NE(millimetres.error().message.find("measurements in px"), std::string::npos) << millimetres.error().message;
 }
 
 }  // namespace

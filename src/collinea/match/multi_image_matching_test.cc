@@ -145,12 +145,15 @@ TEST_P(Truthful, CovarianceAndTestMatchTheRealErrors) {
       EXPECT_LT((found.point_in_world - truth - error * direction).norm(), 1e-3 * kPixel_m);
     }
   }
+  RecordProperty("ratio_within_test", std::to_string(std::sqrt(sum / count)) + " " + std::to_string(inside / count) +
+                                          " " + std::to_string(statistics / count / redundancy));
   EXPECT_GT(count, 0.98 * tried);
   EXPECT_EQ(redundancy, 2 * int(GetParam() - 1) - 1);
   EXPECT_NEAR(std::sqrt(sum / count), 1, 0.1) << count;
   EXPECT_GT(inside / count, 0.93);
-  EXPECT_LT(inside / count, 0.985);
-  EXPECT_LT(statistics / count / redundancy, 1.1);  // below 1: slow noise is never taken as less than white
+  EXPECT_LT(inside / count, 0.97);
+  EXPECT_LT(statistics / count / redundancy, 1.1);
+  EXPECT_GT(statistics / count / redundancy, 0.7);  // slow noise is never taken as less than white: below 1
 }
 INSTANTIATE_TEST_SUITE_P(MultiImageMatching, Truthful, ::testing::Values(2, 3, 5));
 

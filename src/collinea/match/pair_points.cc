@@ -203,6 +203,9 @@ PairPointStage stage_of(int shrink, std::size_t interest, std::size_t matched,
 Result<PairPoints> find_pair_points(const GreyImage& left, const GreyImage& right, const PairPointOptions& options,
                                     const Run& run) {
   COLLINEA_TRY(validate(options));
+  if (options.decision == PointDecision::kRelaxation && options.return_px != PairPointOptions{}.return_px)
+    return fail(Errc::kBadInput, "relaxation asks the neighbours of a point, not whether it comes back",
+                {"point_return_px"_option, "point_decision"_option});
   int shrink = 1;
   while (std::max({left.width, left.height, right.width, right.height}) / shrink > kSmallest_px) shrink *= 2;
   PairPoints pair;

@@ -6,8 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "collinea/base/options.h"
-
 // Which of several candidates a point of one image matches in another, by what its neighbours match (relaxation:
 // Barnard and Thompson 1980; Mussio 7.9, A.2). docs/theory/relaxation.md.
 namespace collinea {
@@ -25,21 +23,10 @@ struct PointCandidates {
 };
 
 struct RelaxationOptions {
-  int neighbours = 12;
-  double parallax_gradient = 0.05;
-  double least_probability = 0.7;
-  int iterations = 20;
-
-  template <class Visit>
-  static void describe(Visit&& visit) {
-    using O = RelaxationOptions;
-    visit(Field{"neighbours", &O::neighbours, "", "nearest points that are asked", 2, 100});
-    visit(Field{"parallax_gradient", &O::parallax_gradient, "1",
-                "standard deviation of the difference of two parallaxes, for each pixel that the points lie apart", 0,
-                2});
-    visit(Field{"least_probability", &O::least_probability, "1", "of a candidate that is taken", 0.5, 1});
-    visit(Field{"iterations", &O::iterations, "", "rounds in which neighbours are asked", 0, 1000});
-  }
+  int neighbours = 12;              ///< nearest points that are asked
+  double parallax_gradient = 0.05;  ///< sigma of the difference of two parallaxes, for each pixel that points lie apart
+  double least_probability = 0.7;   ///< of a candidate that is taken
+  int iterations = 20;              ///< rounds in which neighbours are asked
 };
 
 /// How a point was decided: 0, 1 or many candidates.

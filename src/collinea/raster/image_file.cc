@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/raster/image_file.h"
 
+#include <algorithm>
+#include <cctype>
 #include <new>
 
 #include "collinea/raster/codec.h"
@@ -35,6 +37,14 @@ Result<Raster<std::uint8_t>> read_image_file(const std::filesystem::path& path, 
 }
 
 }  // namespace
+
+bool is_image_name(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".jpg" || extension == ".jpeg" || extension == ".png" || extension == ".tif" ||
+         extension == ".tiff";
+}
 
 Result<ColourImage> read_colour(const std::filesystem::path& path, int shrink) {
   return read_image_file(path, 3, shrink);

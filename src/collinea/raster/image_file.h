@@ -25,6 +25,10 @@ struct ImageHeader {
   std::optional<double> heading_deg, pitch_deg, roll_deg;  ///< gimbal (drone-dji:Gimbal*Degree, Camera:*)
 };
 
+/// Whether a file is one of those that are read here, by the end of its name (.jpg, .jpeg, .png, .tif, .tiff; in any
+/// letter case).
+[[nodiscard]] bool is_image_name(const std::filesystem::path& path);
+
 /// Reads the header. Errors: not an image we know (JPEG, PNG, TIFF), cannot be opened. Broken EXIF is no error:
 /// the fields stay empty.
 [[nodiscard]] Result<ImageHeader> read_image_header(const std::filesystem::path& path);

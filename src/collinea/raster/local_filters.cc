@@ -13,26 +13,12 @@ namespace collinea {
 namespace {
 
 constexpr int kStripRows = 128;
-constexpr double kReach_sigmas = 4;
 
 void for_each_strip(const Run& run, int height, const std::function<void(int first, int end)>& work) {
   parallel_for(run, std::size_t((height + kStripRows - 1) / kStripRows), [&](std::size_t strip) {
     const int first = int(strip) * kStripRows;
     work(first, std::min(height, first + kStripRows));
   });
-}
-
-std::vector<float> gaussian_taps(double sigma_px) {
-  const int radius = std::max(1, static_cast<int>(std::ceil(kReach_sigmas * sigma_px)));
-  std::vector<double> taps;
-  double sum = 0;
-  for (int i = 0; i <= radius; ++i) {
-    taps.push_back(std::exp(-i * i / (2 * sigma_px * sigma_px)));
-    sum += i == 0 ? taps.back() : 2 * taps.back();
-  }
-  std::vector<float> out;
-  for (const double tap : taps) out.push_back(static_cast<float>(tap / sum));
-  return out;
 }
 
 // One row of bytes filtered along; `padded` has room for the border that is repeated on either side.
@@ -124,6 +110,19 @@ void wallis_row(const ColumnSums& columns, int rows, const Raster<std::uint8_t>&
 }
 
 }  // namespace
+
+std::vector<float> gaussian_taps(double sigma_px) {
+  const int radius = std::max(1, static_cast<int>(std::ceil(4 * sigma_px)));
+  std::vector<double> values(static_cast<std::size_t>(radius) + 1);
+  double sum = 0;
+  for (int j = 0; j <= radius; ++j) {
+    values[static_cast<std::size_t>(j)] = std::exp(-0.5 * j * j / (sigma_px * sigma_px));
+    sum += (j == 0 ? 1 : 2) * values[static_cast<std::size_t>(j)];
+  }
+  std::vector<float> taps;
+  for (const double value : values) taps.push_back(static_cast<float>(value / sum));
+  return taps;
+}
 
 Raster<std::uint8_t> gaussian_filtered(const Raster<std::uint8_t>& image, double sigma_px, const Run& run) {
   if (image.empty() || !(sigma_px > 0)) return image;

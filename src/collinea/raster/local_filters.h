@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 #include "collinea/base/options.h"
 #include "collinea/base/run.h"
 #include "collinea/raster/raster.h"
@@ -8,6 +10,9 @@
 // Filters of images of bytes, any channels, each by itself. They go through the image by strips, side by side: beside
 // image and result a thread holds the rows of its strip and of the window. The same bits for any number of threads.
 namespace collinea {
+
+/// Weights of a Gaussian from its middle outwards, cut at four sigmas; both sides together sum to 1.
+[[nodiscard]] std::vector<float> gaussian_taps(double sigma_px);
 
 /// Multiplied with G(x) G(y), G = exp(-x^2 / (2 sigma^2)), cut at four sigmas, weights that sum to 1, the border
 /// repeated, rounded (Karfis 2.3). Sigma 0: the image itself.
@@ -21,6 +26,8 @@ struct WallisOptions {
   double contrast_grey = 60;
   double contrast_share = 0.8;
   double mean_share = 0.9;
+
+  friend bool operator==(const WallisOptions&, const WallisOptions&) = default;
 
   template <class Visit>
   static void describe(Visit&& visit) {

@@ -1,40 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/vector/dxf.h"
 
+#include <ogr_api.h>
+
 #include <cctype>
-#include <charconv>
-#include <cmath>
-#include <span>
+#include <memory>
 #include <string>
 #include <string_view>
 
-#include "collinea/base/file.h"
+#include "collinea/vector/internal/vector_file.h"
 
 namespace collinea {
 namespace {
 
-constexpr int kPolylineOf3d = 8, kClosed = 1, kVertexOf3d = 32;
-
-// Pairs of a line with a group code and one with its value.
-class Drawing {
- public:
-  void pair(int code, std::string_view value) {
-    text_ += std::to_string(code) + "\n";
-    text_ += value;
-    text_ += "\n";
-  }
-  void number(int code, double value) {
-    char digits[32];
-    const auto end = std::to_chars(digits, digits + sizeof digits, value, std::chars_format::fixed, 6).ptr;
-    pair(code, std::string_view(digits, std::size_t(end - digits)));
-  }
-  void position(const Eigen::Vector3d& p) {
-    for (int k = 0; k < 3; ++k) number(10 * (k + 1), p[k]);
-  }
-  [[nodiscard]] const std::string& text() const { return text_; }
-
- private:
-  std::string text_;
+struct FeatureDestroyer {
+  void operator()(void* feature) const { OGR_F_Destroy(feature); }
 };
 
 std::string layer_name(std::string_view name) {
@@ -44,73 +24,53 @@ std::string layer_name(std::string_view name) {
   return out.empty() ? "0" : out;
 }
 
-void add_layers(Drawing& drawing, const std::vector<VectorLayer>& layers) {
-  drawing.pair(0, "SECTION");
-  drawing.pair(2, "TABLES");
-  drawing.pair(0, "TABLE");
-  drawing.pair(2, "LAYER");
-  drawing.pair(70, std::to_string(layers.size()));
-  for (std::size_t i = 0; i < layers.size(); ++i) {
-    drawing.pair(0, "LAYER");
-    drawing.pair(2, layer_name(layers[i].name));
-    drawing.pair(70, "0");
-    drawing.pair(62, std::to_string(1 + i % 6));  // red, yellow, green, cyan, blue, magenta
-    drawing.pair(6, "CONTINUOUS");
-  }
-  drawing.pair(0, "ENDTAB");
-  drawing.pair(0, "ENDSEC");
+OGRGeometryH point(const Eigen::Vector3d& position) {
+  const OGRGeometryH made = OGR_G_CreateGeometry(wkbPoint25D);
+  OGR_G_AddPoint(made, position.x(), position.y(), position.z());
+  return made;
 }
 
-void add_polyline(Drawing& drawing, const std::string& layer, std::span<const Eigen::Vector3d> positions,
-                  bool is_closed) {
-  if (is_closed && positions.size() > 1 && positions.front() == positions.back())
-    positions = positions.first(positions.size() - 1);
-  if (positions.size() < 2) return;
-  drawing.pair(0, "POLYLINE");
-  drawing.pair(8, layer);
-  drawing.pair(66, "1");
-  drawing.position(Eigen::Vector3d::Zero());
-  drawing.pair(70, std::to_string(kPolylineOf3d + (is_closed ? kClosed : 0)));
-  for (const Eigen::Vector3d& p : positions) {
-    drawing.pair(0, "VERTEX");
-    drawing.pair(8, layer);
-    drawing.position(p);
-    drawing.pair(70, std::to_string(kVertexOf3d));
-  }
-  drawing.pair(0, "SEQEND");
-  drawing.pair(8, layer);
+OGRGeometryH line(const std::vector<Eigen::Vector3d>& positions, bool is_closed) {
+  const OGRGeometryH made = OGR_G_CreateGeometry(wkbLineString25D);
+  for (const Eigen::Vector3d& p : positions) OGR_G_AddPoint(made, p.x(), p.y(), p.z());
+  if (const Eigen::Vector3d& first = positions.front(); is_closed && positions.back() != first)
+    OGR_G_AddPoint(made, first.x(), first.y(), first.z());
+  return made;
 }
 
-void add_row(Drawing& drawing, const VectorLayer& layer, const std::string& name, const VectorRow& row) {
-  if (layer.kind == VectorKind::kPoint) {
-    if (row.positions.empty()) return;
-    drawing.pair(0, "POINT");
-    drawing.pair(8, name);
-    drawing.position(row.positions.front());
-    return;
-  }
+// The entity takes the geometry.
+bool add_entity(OGRLayerH entities, const std::string& layer, OGRGeometryH geometry) {
+  const std::unique_ptr<void, FeatureDestroyer> entity(OGR_F_Create(OGR_L_GetLayerDefn(entities)));
+  OGR_F_SetFieldString(entity.get(), OGR_F_GetFieldIndex(entity.get(), "Layer"), layer.c_str());
+  return OGR_F_SetGeometryDirectly(entity.get(), geometry) == OGRERR_NONE &&
+         OGR_L_CreateFeature(entities, entity.get()) == OGRERR_NONE;
+}
+
+bool add_row(OGRLayerH entities, const VectorLayer& layer, const VectorRow& row) {
+  const std::string name = layer_name(layer.name);
+  if (row.positions.empty()) return true;
+  if (layer.kind == VectorKind::kPoint) return add_entity(entities, name, point(row.positions.front()));
   const bool is_closed = layer.kind == VectorKind::kPolygon;
-  add_polyline(drawing, name, row.positions, is_closed);
-  for (const auto& hole : row.holes) add_polyline(drawing, name, hole, true);
+  bool added = row.positions.size() < 2 || add_entity(entities, name, line(row.positions, is_closed));
+  for (const auto& hole : row.holes) added = added && (hole.size() < 2 || add_entity(entities, name, line(hole, true)));
+  return added;
 }
 
 }  // namespace
 
 Result<> write_dxf(const std::filesystem::path& path, const std::vector<VectorLayer>& layers) {
-  Drawing drawing;
-  drawing.pair(0, "SECTION");
-  drawing.pair(2, "HEADER");
-  drawing.pair(9, "$ACADVER");
-  drawing.pair(1, "AC1009");
-  drawing.pair(0, "ENDSEC");
-  add_layers(drawing, layers);
-  drawing.pair(0, "SECTION");
-  drawing.pair(2, "ENTITIES");
-  for (const VectorLayer& layer : layers)
-    for (const VectorRow& row : layer.rows) add_row(drawing, layer, layer_name(layer.name), row);
-  drawing.pair(0, "ENDSEC");
-  drawing.pair(0, "EOF");
-  return write_file(path, drawing.text());
+  set_up_gdal();
+  VectorFile file;
+  COLLINEA_TRY(file.create("DXF", path));
+  {
+    const GdalErrors errors;
+    const OGRLayerH entities = GDALDatasetCreateLayer(file.dataset(), "entities", nullptr, wkbUnknown, nullptr);
+    if (!entities) return file.not_written(errors);
+    for (const VectorLayer& layer : layers)
+      for (const VectorRow& row : layer.rows)
+        if (!add_row(entities, layer, row) || errors.any()) return file.not_written(errors);
+  }
+  return file.finish();
 }
 
 }  // namespace collinea

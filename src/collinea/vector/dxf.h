@@ -9,9 +9,9 @@
 
 namespace collinea {
 
-/// Writes the layers into one drawing (DXF of release 12, which every CAD program reads), atomically: points,
-/// polylines, closed polylines of polygons and of their holes, each on the layer of its name; fields are left out.
-/// Characters of layer names that a drawing does not take become "_". Error: not writable.
+/// Writes the layers into one drawing (DXF, by GDAL), atomically: points, polylines, closed polylines of polygons and
+/// of their holes, each on the layer of its name; fields are left out. Characters of layer names that a drawing does
+/// not take become "_". Error: not writable.
 [[nodiscard]] Result<> write_dxf(const std::filesystem::path& path, const std::vector<VectorLayer>& layers);
 
 }  // namespace collinea

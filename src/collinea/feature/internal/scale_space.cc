@@ -9,6 +9,7 @@
 #include <new>
 
 #include "collinea/base/result.h"
+#include "collinea/raster/local_filters.h"
 
 namespace collinea {
 namespace {
@@ -29,19 +30,6 @@ float* memory(std::size_t count) {
   if (large) madvise(data, bytes, MADV_HUGEPAGE);  // a wish: it may fail
 #endif
   return static_cast<float*>(data);
-}
-
-std::vector<float> gaussian_taps(double sigma_px) {
-  const int radius = std::max(1, static_cast<int>(std::ceil(4 * sigma_px)));
-  std::vector<double> values(static_cast<std::size_t>(radius) + 1);
-  double sum = 0;
-  for (int j = 0; j <= radius; ++j) {
-    values[static_cast<std::size_t>(j)] = std::exp(-0.5 * j * j / (sigma_px * sigma_px));
-    sum += (j == 0 ? 1 : 2) * values[static_cast<std::size_t>(j)];
-  }
-  std::vector<float> taps;
-  for (const double value : values) taps.push_back(static_cast<float>(value / sum));
-  return taps;
 }
 
 // Rows of an image on their way through the filter along the row, and the last few results for the filter across.

@@ -13,12 +13,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The files of a folder by their names, with and without ending.
+// The images of a folder by their names, with and without ending.
 Result<std::map<std::string, fs::path>> files_in(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder, error))
-    if (entry.is_regular_file()) files.push_back(entry.path());
+    if (entry.is_regular_file() && is_image_name(entry.path())) files.push_back(entry.path());
   if (error) return fail(Errc::kNotFound, "cannot read the folder " + folder.string(), {"images"_option});
   std::sort(files.begin(), files.end());
   std::map<std::string, fs::path> out;

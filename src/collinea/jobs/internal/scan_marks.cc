@@ -8,19 +8,12 @@
 
 #include "collinea/feature/fiducial_search.h"
 #include "collinea/io/number_rows.h"
-#include "collinea/io/text.h"
 #include "collinea/raster/image_file.h"
 
 namespace collinea {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool is_image_name(const fs::path& path) {
-  const std::string extension = lower(path.extension().string());
-  return extension == ".tif" || extension == ".tiff" || extension == ".jpg" || extension == ".jpeg" ||
-         extension == ".png";
-}
 
 // A template from the position that was pointed to; nothing without one.
 Result<std::optional<MarkModel>> learnt(const GreyImage& scan, double mark_px, const ScanMarkOptions& options) {
