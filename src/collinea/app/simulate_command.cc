@@ -2,6 +2,7 @@
 #include "collinea/app/commands.h"
 #include "collinea/app/console_command.h"
 #include "collinea/steps/simulated_project.h"
+#include "collinea/synthetic/film.h"
 #include "collinea/synthetic/write.h"
 
 namespace collinea {
@@ -30,6 +31,7 @@ struct Asked {
   std::string folder;
   SceneOptions scene;
   SurveyOptions aerial;
+  FilmOptions film;
   FacadeOptions facade;
   ObservationOptions observations;
   ConsoleOptions console;
@@ -40,6 +42,10 @@ Result<> simulate_as(const Asked& asked, const Run& run) {
   if (asked.scene.observations_only && !is_aerial)
     return fail(Errc::kBadInput, "only of an aerial block there are observations without photographs",
                 {"observations_only"_option, "scene"_option});
+  if (asked.film.film && (!is_aerial || asked.scene.observations_only))
+    return fail(Errc::kBadInput, "film is of an aerial block, and scanned: there are no observations without scans",
+                {"film"_option, "scene"_option, "observations_only"_option});
+  if (asked.film.film) return simulate(asked.aerial, asked.film, asked.folder, run);
   if (asked.scene.observations_only) return simulate_project(asked.aerial, asked.observations, asked.folder, run);
   return is_aerial ? simulate(asked.aerial, asked.folder, run) : simulate(asked.facade, asked.folder, run);
 }
@@ -53,6 +59,7 @@ Command simulate_command() {
         flags.positional("folder", asked.folder, "where images/, control.csv and truth/ go; made when missing");
         flags.add_all(asked.scene, "scene");
         flags.add_all(asked.aerial, "aerial");
+        flags.add_all(asked.film, "film");
         flags.add_all(asked.facade, "facade");
         flags.add_all(asked.observations, "observations");
         flags.add_all(asked.console, "run");

@@ -42,6 +42,8 @@ constexpr CodeRow kCodes[] = {
     {C::kImageUnreadable, "image_unreadable", kNote},
     {C::kImageTooSmall, "image_too_small", kNote, F::kLimit},
     {C::kImageDuplicate, "image_duplicate", kNote},
+    {C::kScanNotOriented, "scan_not_oriented", kWrong},
+    {C::kScanMarksDisagree, "scan_marks_disagree", kWeak, F::kOffsetPx, F::kCount, F::kOf},
     {C::kFolderUnreadable, "folder_unreadable", kNote},
     {C::kCamerasMerged, "cameras_merged", kWeak, F::kFocalLowest, F::kFocalHighest},
     {C::kOrientationTaken, "orientation_taken", kNote, F::kCount, F::kOf, F::kCameras},

@@ -45,6 +45,8 @@ enum class FindingCode : std::uint8_t {
   kImageUnreadable,      ///< a file that is no readable image
   kImageTooSmall,
   kImageDuplicate,    ///< the same bytes as another one
+  kScanNotOriented,    ///< a scan of film whose marks were not found
+  kScanMarksDisagree,  ///< a scan of film whose marks do not lie as the calibration has them
   kFolderUnreadable,  ///< a folder of images that cannot be looked into
   kCamerasMerged,     ///< an orientation gives one camera several interior orientations
   kOrientationTaken,  ///< poses come from elsewhere

@@ -37,6 +37,32 @@ Vector2d corrected_mm(const FilmCalibration& calibration, const Vector2d& film_m
   return film_mm - calibration.principal_point_mm + v * radial + r2 * p + 2 * v.dot(p) * v;
 }
 
+Vector2d distorted_mm(const FilmCalibration& calibration, const Vector2d& corrected) {
+  Vector2d film = corrected + calibration.principal_point_mm;
+  for (int i = 0; i < 50; ++i) {
+    const Vector2d step = corrected - corrected_mm(calibration, film);
+    film += step;
+    if (step.norm() < 1e-10) break;
+  }
+  return film;
+}
+
+Vector2d picture_size(const FilmCalibration& calibration) {
+  if (calibration.picture_size_mm) return *calibration.picture_size_mm;
+  Vector2d half = 0.49 * calibration.size_mm;
+  // A mark lies on a ground of its own, which reaches about as far as the mark again.
+  const double reach = 1.5 * calibration.mark_size_mm;
+  for (const CalibratedMark& mark : calibration.marks) {
+    const Vector2d inner = (mark.film_mm.cwiseAbs().array() - reach).max(0);
+    if (!(inner.x() < half.x() && inner.y() < half.y())) continue;
+    // The side that loses less gives way; a mark in a corner costs both.
+    const double least = std::min(inner.x(), inner.y()), most = std::max(inner.x(), inner.y());
+    for (int axis = 0; axis < 2; ++axis)
+      if (inner[axis] == most || least > 0.8 * most) half[axis] = std::min(half[axis], inner[axis]);
+  }
+  return 2 * half;
+}
+
 std::optional<std::array<double, 4>> fit_radial(std::span<const double> radii_mm,
                                                 std::span<const double> distances_mm) {
   if (radii_mm.empty() || radii_mm.size() != distances_mm.size()) return std::nullopt;

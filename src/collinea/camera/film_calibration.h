@@ -48,8 +48,18 @@ struct FilmCalibration {
   double radial_rms_mm = 0;  ///< by which a radial table differs from the polynomial above
   std::vector<CalibratedMark> marks;
   Eigen::Vector2d size_mm = {230, 230};  ///< of the film, to find marks in scans
+  /// The part of the film that shows nothing but the scene, about the origin; nothing: what the marks leave of it,
+  /// picture_size().
+  std::optional<Eigen::Vector2d> picture_size_mm = {};
   double mark_size_mm = 1, line_mm = 0.1;
 };
+
+/// Width and height [mm] of the largest rectangle about the origin that no mark reaches into: of the stated picture, else
+/// of the film without its outer 2 %.
+[[nodiscard]] Eigen::Vector2d picture_size(const FilmCalibration& calibration);
+
+/// The inverse of corrected_mm(), by fixed point, to 1e-9 mm of lenses that distort by less than a tenth.
+[[nodiscard]] Eigen::Vector2d distorted_mm(const FilmCalibration& calibration, const Eigen::Vector2d& corrected_mm);
 
 /// Image coordinates without the distortion of the lens, from the principal point: -c times the camera coordinates over
 /// their z in the form of the books.

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "collinea/base/parallel.h"
-#include "collinea/dense/internal/cubic.h"
+#include "collinea/raster/cubic.h"
 #include "collinea/dense/internal/pinhole.h"
 
 namespace collinea {
@@ -171,7 +171,7 @@ Raster<std::uint8_t> resampled(const Raster<std::uint8_t>& image, const Camera& 
       const Eigen::Vector2f at = above + v * (below - above);
       for (int c = 0; c < image.channels; ++c)
         result.at(x, y, c) =
-            image.channels == 1 ? dense::cubic<1>(image, at.x(), at.y()) : dense::cubic<3>(image, at.x(), at.y(), c);
+            image.channels == 1 ? cubic<1>(image, at.x(), at.y()) : cubic<3>(image, at.x(), at.y(), c);
     }
   });
   return result;

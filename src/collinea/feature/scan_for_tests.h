@@ -10,6 +10,7 @@
 #include "collinea/camera/film_transformation.h"
 #include "collinea/math/random.h"
 #include "collinea/raster/raster.h"
+#include "collinea/synthetic/fiducial_look.h"
 
 namespace collinea {
 
@@ -20,30 +21,6 @@ struct ScanLook {
   double grain_blur_px = 0.7;  ///< by which neighbours are correlated
   double mark = 200, background = 50;
 };
-
-/// The brightness, 0 to 1, of a mark at a position [mm] from it, with its axis along x. Told apart from the drawings of
-/// the program, so that an error there shows.
-inline double brightness(MarkKind kind, double x, double y, double size, double line) {
-  const double r = std::hypot(x, y);
-  switch (kind) {
-    case MarkKind::kDot:
-      return r < size / 2 ? 1 : 0;
-    case MarkKind::kRing:
-      return r < size / 2 && r > size / 2 - line ? 1 : 0;
-    case MarkKind::kCross:
-      return (std::abs(x) < line / 2 && std::abs(y) < size / 2) || (std::abs(y) < line / 2 && std::abs(x) < size / 2);
-    case MarkKind::kNotch:
-      return x > std::abs(y) || x > size / 2 ? 1 : 0;
-    case MarkKind::kCorner: {
-      const double a = (x + y) * std::numbers::sqrt2 / 2, b = (x - y) * std::numbers::sqrt2 / 2;
-      const auto arm = [&](double along, double across) {
-        return std::abs(across) < line / 2 && along > -line / 2 && along < size / 2;
-      };
-      return arm(a, b) || arm(b, a) ? 1 : 0;
-    }
-  }
-  return 0;
-}
 
 inline FloatImage smoothed(const FloatImage& in, double sigma) {
   const int reach = int(std::ceil(4 * sigma));
@@ -96,7 +73,7 @@ inline GreyImage rendered_scan(const FilmCalibration& calibration, const FilmTra
           const Eigen::Vector2d at(left + x + (i + (j - kFiner / 2.0) / kFiner) / kFiner,
                                    top + y + (j - (i - kFiner / 2.0) / kFiner) / kFiner);
           const Eigen::Vector2d film = film_by_pixel * (at - middle);
-          sum += brightness(mark.kind.value_or(MarkKind::kCross), c * film.x() + s * film.y(),
+          sum += mark_brightness(mark.kind.value_or(MarkKind::kCross), c * film.x() + s * film.y(),
                             -s * film.x() + c * film.y(), calibration.mark_size_mm, calibration.line_mm);
         }
         part.at(x, y) = float(sum / (kFiner * kFiner));

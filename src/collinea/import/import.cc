@@ -17,6 +17,7 @@
 #include "collinea/geodesy/heights.h"
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/import/internal/import_control.h"
+#include "collinea/import/internal/import_film.h"
 #include "collinea/import/internal/import_positions.h"
 #include "collinea/import/reason.h"
 #include "collinea/raster/image_file.h"
@@ -43,7 +44,7 @@ bool belongs_to_project(const fs::path& directory) {
   if (fs::exists(directory / "block.db", ignored)) return true;
   const std::string name = directory.filename().string();
   return fs::exists(directory.parent_path() / "block.db", ignored) &&
-         (name == "products" || name == "depth" || name == "report" || name == "scratch");
+         (name == "products" || name == "depth" || name == "film" || name == "report" || name == "scratch");
 }
 
 struct Listing {
@@ -261,8 +262,10 @@ Result<std::vector<ImageFile>> read_headers(const fs::path& folder, const std::v
 class Importer {
  public:
   Importer(const fs::path& folder, const ImportOptions& options, CameraModel model,
-           std::optional<std::vector<double>> camera_params)
-      : folder_(folder), options_(options), model_(model), camera_params_(std::move(camera_params)) {}
+           std::optional<std::vector<double>> camera_params, FilmFolder* film)
+      : folder_(folder), options_(options), model_(model), camera_params_(std::move(camera_params)), film_(film) {
+    if (film) result.film = ImportedFilm{film->picture, {}};
+  }
 
   void add(const ImageFile& source) {
     if (!source.header) return skip_unreadable(source, source.header.error());
@@ -272,16 +275,26 @@ class Importer {
       return skip(finding_of(FindingCode::kImageTooSmall, {file}, {{FigureName::kLimit, kSmallest_px}}));
     const auto [same, is_new] = file_of_hash_.emplace(*source.hash, source.file);
     if (!is_new) return skip(finding_of(FindingCode::kImageDuplicate, {file, Subject::file(same->second)}));
+    ImageHeader header = *source.header;
+    const ImageId id{static_cast<std::uint32_t>(result.block.images.size())};
+    if (film_) {
+      auto& scan = film_->scans.at(source.file);
+      if (!scan)
+        return skip(finding_of(FindingCode::kScanNotOriented, {file}, {}, {OptionName{"film", "import"}},
+                               scan.error().message));
+      result.film->scans.emplace(id, *std::move(scan));
+      header = film_->header();
+    }
     Image image;
     image.file = source.file;
-    image.camera = camera_of(*source.header);
+    image.camera = camera_of(header);
     image.taken = source.header->taken;
-    image.orientation = source.header->orientation;
+    image.orientation = header.orientation;
     image.position = position_prior(*source.header, options_);
     if (source.header->heading_deg && source.header->pitch_deg)
       image.attitude =
           AttitudePrior{*source.header->heading_deg, *source.header->pitch_deg, source.header->roll_deg.value_or(0)};
-    result.block.images[ImageId{static_cast<std::uint32_t>(result.block.images.size())}] = image;
+    result.block.images[id] = image;
     result.file_hash.push_back(Hash().add(*source.hash).hex());
   }
 
@@ -306,6 +319,10 @@ class Importer {
     if (found != cameras_.end()) return found->second;
     const CameraId id{static_cast<std::uint32_t>(cameras_.size())};
     cameras_[key] = id;
+    if (film_) {
+      result.block.cameras[id] = film_->picture.camera;
+      return id;
+    }
     Camera camera = camera_params_ ? given_camera(model_, *camera_params_, header.width_px, header.height_px)
                                    : camera_from_header(header, model_);
     camera.name = camera_name(header);
@@ -324,6 +341,7 @@ class Importer {
   const ImportOptions& options_;
   CameraModel model_;
   std::optional<std::vector<double>> camera_params_;
+  FilmFolder* film_;  // nullptr: the photographs are no scans
   std::map<Key, CameraId> cameras_;
   std::map<std::uint64_t, std::string> file_of_hash_;
 };
@@ -521,9 +539,13 @@ Result<Imported> import_images(const fs::path& photos, const ImportOptions& opti
   std::error_code unreadable;
   if (fs::directory_iterator(photos, unreadable); unreadable)
     return fail(Errc::kNotFound, photos.string() + " cannot be read: " + unreadable.message());
-  Importer importer(photos, options, model, camera_params);
   const Listing listing = files_below(photos);
+  std::optional<FilmFolder> film;
+  if (options.film) {
+    COLLINEA_TRY(film, film_folder(photos, listing.files, options, run));
+  }
   COLLINEA_TRY(const std::vector<ImageFile> read, read_headers(photos, listing.files, run));
+  Importer importer(photos, options, model, camera_params, film ? &*film : nullptr);
   for (const ImageFile& image : read) importer.add(image);
   Imported imported = std::move(importer.result);
   imported.skipped.insert(imported.skipped.end(), listing.unreadable_folders.begin(), listing.unreadable_folders.end());
@@ -540,6 +562,7 @@ Result<Imported> import_images(const fs::path& photos, const ImportOptions& opti
   COLLINEA_TRY(add_map_attitudes(imported, positions));
   if (options.geodetic) COLLINEA_TRY(add_geodetic(imported, *options.geodetic));
   name_unseen_control(imported);
+  if (imported.film) name_poor_scans(imported);
   if (!options.control) name_control_not_given(photos, imported);
   return imported;
 }
@@ -555,6 +578,7 @@ std::string fingerprint_of_sources(const fs::path& photos, const ImportOptions& 
   if (options.control) add_file(*options.control);
   if (options.geodetic) add_file(*options.geodetic);
   if (options.positions) add_file(*options.positions);
+  if (options.film) add_file(*options.film);
   const std::optional<HeightsFrom> gps_heights = options.gps_heights;
   for (const auto* heights : {&options.heights, &options.control_heights, &gps_heights})
     if (std::error_code none; *heights && fs::is_regular_file((*heights)->text(), none))  // a geoid grid

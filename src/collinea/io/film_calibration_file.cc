@@ -93,6 +93,9 @@ Result<> read_length(const Words& words, Reading& reading) {
   } else if (words[0] == "film_size_mm") {
     COLLINEA_TRY(const auto values, positive(words, 2, 2));
     c.size_mm = {values[0], values[1]};
+  } else if (words[0] == "picture_size_mm") {
+    COLLINEA_TRY(const auto values, positive(words, 2, 2));
+    c.picture_size_mm = Eigen::Vector2d(values[0], values[1]);
   } else {
     COLLINEA_TRY(const auto values, numbers(words, 2, 2));
     (words[0] == "principal_point_mm" ? c.principal_point_mm : c.symmetry_point_mm) = {values[0], values[1]};
@@ -101,7 +104,8 @@ Result<> read_length(const Words& words, Reading& reading) {
 }
 
 constexpr std::string_view kLengths[] = {"principal_distance_mm", "principal_point_mm", "symmetry_point_mm",
-                                         "mark_sigma_mm",         "mark_size_mm",       "film_size_mm"};
+                                         "mark_sigma_mm",         "mark_size_mm",       "film_size_mm",
+                                         "picture_size_mm"};
 constexpr std::string_view kLens[] = {"radial_correction", "radial_distortion", "radial_distortion_um",
                                       "decentring_correction", "decentring_distortion"};
 
@@ -170,6 +174,31 @@ Result<FilmCalibration> parse_film_calibration(std::string_view text) {
     }));
   }
   return finished(std::move(reading));
+}
+
+std::string text_of(const FilmCalibration& c) {
+  std::string text;
+  const auto line = [&](std::string_view word, std::initializer_list<double> values, std::string_view more = "") {
+    text += word;
+    for (const double value : values) text += fmt::format(" {:.10g}", value);
+    text += fmt::format("{}{}\n", more.empty() ? "" : " ", more);
+  };
+  if (!c.camera.empty()) line("camera", {}, c.camera);
+  line("principal_distance_mm", {c.principal_distance_mm});
+  line("principal_point_mm", {c.principal_point_mm.x(), c.principal_point_mm.y()});
+  line("symmetry_point_mm", {c.symmetry_point_mm.x(), c.symmetry_point_mm.y()});
+  line("radial_correction", {c.radial[0], c.radial[1], c.radial[2], c.radial[3]});
+  line("decentring_correction", {c.decentring[0], c.decentring[1]});
+  line("film_size_mm", {c.size_mm.x(), c.size_mm.y()});
+  if (c.picture_size_mm) line("picture_size_mm", {c.picture_size_mm->x(), c.picture_size_mm->y()});
+  line("mark_size_mm", {c.mark_size_mm, c.line_mm});
+  double sigma_mm = 0;
+  for (const CalibratedMark& mark : c.marks) {
+    if (mark.sigma_mm != sigma_mm && mark.sigma_mm > 0) line("mark_sigma_mm", {mark.sigma_mm});
+    sigma_mm = mark.sigma_mm;
+    line("mark " + mark.name, {mark.film_mm.x(), mark.film_mm.y()}, mark.kind ? word_of(*mark.kind) : "");
+  }
+  return text;
 }
 
 Result<FilmCalibration> read_film_calibration(const std::filesystem::path& path) {

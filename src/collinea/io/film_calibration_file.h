@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 #include "collinea/base/result.h"
@@ -22,9 +23,12 @@ namespace collinea {
 ///     mark_sigma_mm           S            of the coordinates of the marks that follow
 ///     mark_size_mm            SIZE [LINE]  what their drawing is wide, and its lines
 ///     film_size_mm            WIDTH HEIGHT
+///     picture_size_mm         WIDTH HEIGHT    of the part that shows nothing but the scene; missing: found from the marks
 /// Only the distance is required. Errors name the line: an unknown word, one twice, values that are none, a mark twice,
 /// both polynomial and table.
 [[nodiscard]] Result<FilmCalibration> parse_film_calibration(std::string_view text);
+/// The calibration as such a text: parsed again it is the same, to 1e-9 of each value.
+[[nodiscard]] std::string text_of(const FilmCalibration& calibration);
 [[nodiscard]] Result<FilmCalibration> read_film_calibration(const std::filesystem::path& path);
 
 }  // namespace collinea

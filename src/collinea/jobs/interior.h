@@ -10,7 +10,7 @@
 #include "collinea/base/run.h"
 #include "collinea/camera/film_gallery.h"
 #include "collinea/camera/film_transformation.h"
-#include "collinea/jobs/internal/scan_marks.h"
+#include "collinea/film/scan_marks.h"
 #include "collinea/report/interior_report.h"
 
 namespace collinea {

@@ -6,6 +6,7 @@
 #include <new>
 
 #include "collinea/raster/codec.h"
+#include "collinea/raster/gdal_access.h"
 #include "collinea/raster/pyramid.h"
 
 namespace collinea {
@@ -51,6 +52,17 @@ Result<ColourImage> read_colour(const std::filesystem::path& path, int shrink) {
 }
 
 Result<GreyImage> read_grey(const std::filesystem::path& path, int shrink) { return read_image_file(path, 1, shrink); }
+
+Result<int> channels_of(const std::filesystem::path& path) {
+  set_up_gdal();
+  const GdalErrors errors;
+  const char* const drivers[] = {"JPEG", "PNG", "GTiff", nullptr};
+  const GdalDataset file(GDALOpenEx(path.c_str(), GDAL_OF_READONLY | GDAL_OF_RASTER, drivers, nullptr, nullptr));
+  if (!file) return errors.error(Errc::kBadFormat, "reading " + path.string());
+  const bool is_grey = GDALGetRasterCount(file.get()) == 1 &&
+                       !GDALGetRasterColorTable(GDALGetRasterBand(file.get(), 1));
+  return is_grey ? 1 : 3;
+}
 
 Result<> write_jpeg(const std::filesystem::path& path, const Raster<std::uint8_t>& image, int quality,
                     const ImageHeader* header) {

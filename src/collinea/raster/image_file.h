@@ -40,6 +40,9 @@ struct ImageHeader {
 [[nodiscard]] Result<ColourImage> read_colour(const std::filesystem::path& path, int shrink = 1);
 [[nodiscard]] Result<GreyImage> read_grey(const std::filesystem::path& path, int shrink = 1);
 
+/// 1 when the file holds nothing but grey values, else 3. Errors: missing, not an image.
+[[nodiscard]] Result<int> channels_of(const std::filesystem::path& path);
+
 /// Writes 8-bit images (1 or 3 channels), atomically. With a header, JPEG gets its EXIF and XMP tags.
 [[nodiscard]] Result<> write_jpeg(const std::filesystem::path& path, const Raster<std::uint8_t>& image, int quality,
                                   const ImageHeader* header = nullptr);

@@ -218,6 +218,29 @@ std::string camera_section(const ReportInput& input, const ReportSummary& summar
   return html.empty() ? "" : "<section><h2>Cameras</h2>\n" + html + "</section>\n";
 }
 
+std::string film_section(const ReportInput& input) {
+  const std::vector<FilmScanRecord>* film = nullptr;
+  for (const StepRecord& step : input.steps)
+    if (const auto* import = std::get_if<ImportRecord>(&step.outcome)) film = &import->film;
+  if (!film || film->empty()) return "";
+  std::string html =
+      "<section><h2>Film</h2>\n<p>The photographs are scans of film. Each was brought, once, to the picture that its "
+      "camera would have taken without distortion on film that did not shrink, by the transformation that its fiducial "
+      "marks need. Between the marks film may be deformed by about the residuals.</p>\n"
+      "<table><thead><tr><th class=\"l\">scan</th><th class=\"l\">transformation</th><th>marks</th><th>misread</th>"
+      "<th>RMS [um]</th><th>pixel [um]</th><th>turned [deg]</th><th>x against y [ppm]</th><th>shear [ppm]</th></tr>"
+      "</thead><tbody>\n";
+  for (const FilmScanRecord& scan : *film) {
+    std::string model = scan.model;
+    std::replace(model.begin(), model.end(), '_', ' ');
+    html += "<tr>" + text_cell(scan.image, "l w") + text_cell(model) +
+            fmt::format("<td>{}</td><td>{}</td>", scan.marks, scan.misread) + cell(scan.rms_um, 1) +
+            cell(scan.pixel_um, 3) + cell(scan.rotation_deg, 3) + optional_cell(scan.difference_ppm, 0) +
+            optional_cell(scan.shear_ppm, 0) + "</tr>\n";
+  }
+  return html + "</tbody></table></section>\n";
+}
+
 std::string image_section(const ReportInput& input, const ReportSummary& summary) {
   std::vector<ImageResiduals> images = summary.residuals.images;
   if (images.empty()) return "";

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "collinea/report/finding_words.h"
 #include "collinea/report/internal/counted.h"
@@ -11,12 +12,20 @@
 namespace collinea {
 namespace {
 
+std::string words(const std::vector<FilmScanRecord>& film) {
+  if (film.empty()) return "";
+  double squares = 0;
+  for (const FilmScanRecord& scan : film) squares += scan.rms_um * scan.rms_um;
+  return fmt::format(", film: marks within {:.1f} um RMS", std::sqrt(squares / double(film.size())));
+}
+
 std::string words(const ImportRecord& r) {
   return fmt::format(
       "{}, {}, {}, {}{}{}", counted(r.images, "image"), counted(r.cameras, "camera"), counted(r.positions, "position"),
       counted(r.control_points, "control point"),
       r.geodetic_observations == 0 ? "" : ", " + counted(r.geodetic_observations, "measurement") + " on the ground",
-      r.crs ? ", map " + *r.crs : ", no map: local gauge");
+      r.crs ? ", map " + *r.crs : ", no map: local gauge") +
+         words(r.film);
 }
 
 std::string words(const DetectRecord& r) {

@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 
 #include <bit>
+#include <numbers>
 
 #include "collinea/base/hash.h"
+#include "collinea/base/units.h"
 #include "collinea/report/finding_words.h"
 #include "collinea/steps/internal/import_record.h"
 #include "collinea/steps/step.h"
@@ -32,6 +34,44 @@ std::string hash_of_images(const Imported& imported) {
   return hash.hex();
 }
 
+// The pictures of scans of film, FOLDER/film/NAME.jpg: what all further steps work on.
+Result<> write_film(const Project& project, const Imported& imported) {
+  const ImportedFilm& film = *imported.film;
+  UnitList list{.stage = "film"};
+  for (const auto& [id, scan] : film.scans) list.units.push_back(Unit::of(UnitKind::kImage, id));
+  const auto work = [&](std::size_t i, const Run& run) -> Result<UnitWorked> {
+    const Image& image = imported.block.images.at(list.units[i].image());
+    const std::filesystem::path out = project.image_file(image);
+    std::error_code error;
+    std::filesystem::create_directories(out.parent_path(), error);
+    if (error) return fail(Errc::kNotFound, out.parent_path().string() + ": cannot be made: " + error.message());
+    COLLINEA_TRY(write_ideal_picture(std::filesystem::path(project.settings.photos) / image.file,
+                                     film.scans.at(list.units[i].image()).scan_from_film(), film.picture, out, run));
+    return UnitWorked{};
+  };
+  COLLINEA_TRY(run_units(project.run, list, {.work = work}));
+  return {};
+}
+
+std::vector<FilmScanRecord> film_records(const Imported& imported) {
+  std::vector<FilmScanRecord> records;
+  for (const auto& [id, scan] : imported.film->scans) {
+    FilmScanRecord record{.image = imported.block.images.at(id).file,
+                          .model = std::string(word_of(scan.scan_from_film().model)),
+                          .marks = scan.marks,
+                          .misread = scan.misread(),
+                          .rms_um = 1e3 * scan.rms_mm(),
+                          .pixel_um = 1e3 * scan.pixel_mm(),
+                          .rotation_deg = scan.scan_from_film().parameters[2] * 180 / std::numbers::pi};
+    if (scan.deformation) {
+      record.difference_ppm = scan.deformation->difference_ppm.value;
+      record.shear_ppm = scan.deformation->shear_ppm.value;
+    }
+    records.push_back(std::move(record));
+  }
+  return records;
+}
+
 }  // namespace
 
 Result<StepOutput> import_step(Project& project, const std::string&) {
@@ -39,6 +79,10 @@ Result<StepOutput> import_step(Project& project, const std::string&) {
   COLLINEA_TRY(project.store.write_setup(imported.block));
 
   ImportRecord record = record_of(imported.block);
+  if (imported.film) {
+    COLLINEA_TRY(write_film(project, imported));
+    record.film = film_records(imported);
+  }
   record.findings = imported.findings;
   record.skipped = imported.skipped;
   for (const Finding& one : imported.skipped)

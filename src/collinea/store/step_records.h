@@ -27,10 +27,34 @@ namespace collinea {
 // metres unless a member says otherwise. `kStep` is the name of the step; `fields` tells the members (packed_fields.h).
 // A new record is its struct, and an entry in StepOutcome.
 
+/// The interior orientation of a scan of film.
+struct FilmScanRecord {
+  std::string image, model;  ///< file; word of FilmModel
+  std::uint64_t marks = 0, misread = 0;
+  double rms_um = 0;                        ///< of the residuals of marks, each coordinate, on the film
+  double pixel_um = 0, rotation_deg = 0;
+  std::optional<double> difference_ppm, shear_ppm;  ///< of the film: scale in x over scale in y, less 1; nothing: not told
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    using R = FilmScanRecord;
+    visit("image", &R::image);
+    visit("model", &R::model);
+    visit("marks", &R::marks);
+    visit("misread", &R::misread);
+    visit("rms_um", &R::rms_um);
+    visit("pixel_um", &R::pixel_um);
+    visit("rotation_deg", &R::rotation_deg);
+    visit("difference_ppm", &R::difference_ppm);
+    visit("shear_ppm", &R::shear_ppm);
+  }
+};
+
 struct ImportRecord {
   static constexpr std::string_view kStep = "import";
   std::uint64_t images = 0, cameras = 0, positions = 0, control_points = 0, geodetic_observations = 0;
   std::optional<std::string> crs;  ///< of maps and control; nothing: no map
+  std::vector<FilmScanRecord> film;  ///< of scans of film; their pictures lie in film/
   std::vector<Finding> skipped;    ///< files that are no images, or of no use: the first subjects, and why
   std::vector<Finding> findings;
 
@@ -43,6 +67,7 @@ struct ImportRecord {
     visit("control_points", &R::control_points);
     visit("geodetic_observations", &R::geodetic_observations);
     visit("crs", &R::crs);
+    visit("film", &R::film);
     visit("skipped", &R::skipped);
     visit("findings", &R::findings);
   }

@@ -11,7 +11,7 @@ namespace collinea {
 namespace {
 
 constexpr int kBandRows = 16;
-constexpr std::uint32_t kSky = ~std::uint32_t{0};
+constexpr std::uint32_t kSky = ~std::uint32_t{0}, kNothing = kSky - 1;
 
 // What a pixel shows, so that neighbours that show different things are recognised.
 std::uint32_t key_of(const Hit& hit, bool sunlit) {
@@ -26,19 +26,20 @@ struct Exposed {
 
 class Photographer {
  public:
-  Photographer(const Truth& truth, ImageId image, const RayTable& rays)
+  Photographer(const Truth& truth, ImageId image, const PixelRays& rays, int width, RowRange rows)
       : scene_(truth.scene),
         rays_(rays),
+        focal_px_(rays.focal_px()),
+        first_row_(rows.first),
         world_from_cam_(pose_of(truth.block, image).rotation.conjugate().toRotationMatrix()),
         centre_(centre_of(pose_of(truth.block, image))),
-        exposed_{Raster<Colour>(rays.camera().width_px, rays.camera().height_px),
-                 Raster<std::uint32_t>(rays.camera().width_px, rays.camera().height_px)} {}
+        exposed_{Raster<Colour>(width, rows.count), Raster<std::uint32_t>(width, rows.count)} {}
 
   void expose_row(int row) {
     Colour* light = exposed_.light.row(row);
     std::uint32_t* key = exposed_.key.row(row);
     for (int column = 0; column < exposed_.light.width; ++column)
-      light[column] = look(rays_.direction(column, row), &key[column]);
+      light[column] = look(rays_.direction(column, first_row_ + row, 0, 0), &key[column]);
   }
 
   // Takes the mean of 3 x 3 rays in pixels that touch something else.
@@ -48,15 +49,20 @@ class Photographer {
       if (!on_edge(column, row)) continue;
       Colour sum;
       for (int j = -1; j <= 1; ++j)
-        for (int i = -1; i <= 1; ++i) sum = sum + look(rays_.direction(column, row, i / 3.0, j / 3.0), nullptr);
+        for (int i = -1; i <= 1; ++i)
+          sum = sum + look(rays_.direction(column, first_row_ + row, i / 3.0, j / 3.0), nullptr);
       light[column] = (1.0f / 9) * sum;
     }
   }
 
-  [[nodiscard]] const Raster<Colour>& light() const { return exposed_.light; }
+  [[nodiscard]] Raster<Colour> take_light() && { return std::move(exposed_.light); }
 
  private:
   [[nodiscard]] Colour look(const Eigen::Vector3d& direction_in_cam, std::uint32_t* key) const {
+    if (direction_in_cam.z() == 0) {
+      if (key) *key = kNothing;
+      return {};
+    }
     const double length = direction_in_cam.norm();
     const Eigen::Vector3d ray = world_from_cam_ * (direction_in_cam / length);
     const auto hit = scene_.cast(centre_, ray);
@@ -67,7 +73,7 @@ class Photographer {
     const bool sunlit = scene_.in_sun(hit->point, hit->normal);
     if (key) *key = key_of(*hit, sunlit);
     const double depth_m = hit->distance_m / length, slant = std::max(0.1, std::abs(hit->normal.dot(ray)));
-    return scene_.shaded(*hit, depth_m / rays_.camera().focal_px() / std::sqrt(slant), sunlit);
+    return scene_.shaded(*hit, depth_m / focal_px_ / std::sqrt(slant), sunlit);
   }
 
   [[nodiscard]] bool on_edge(int column, int row) const {
@@ -78,48 +84,21 @@ class Photographer {
   }
 
   const Scene& scene_;
-  const RayTable& rays_;
+  const PixelRays& rays_;
+  double focal_px_;
+  int first_row_;
   Eigen::Matrix3d world_from_cam_;
   Eigen::Vector3d centre_;
   Exposed exposed_;
 };
 
-std::vector<float> gaussian(double sigma_px) {
-  const int radius = sigma_px > 0 ? int(std::ceil(3 * sigma_px)) : 0;
-  std::vector<float> weights;
-  double sum = 0;
-  for (int i = -radius; i <= radius; ++i) sum += std::exp(-0.5 * i * i / std::max(1e-9, sigma_px * sigma_px));
-  for (int i = -radius; i <= radius; ++i)
-    weights.push_back(float(std::exp(-0.5 * i * i / std::max(1e-9, sigma_px * sigma_px)) / sum));
-  return weights;
-}
-
-// One row of the blurred image; beyond the border the border pixel goes on.
-void blur_row(const Raster<Colour>& light, int row, const std::vector<float>& weights, std::vector<Colour>& vertical,
-              std::vector<Colour>& out) {
-  const int radius = int(weights.size()) / 2, width = light.width;
-  vertical.assign(std::size_t(width + 2 * radius), Colour{});
-  for (int j = -radius; j <= radius; ++j) {
-    const Colour* source = light.row(std::clamp(row + j, 0, light.height - 1));
-    const float weight = weights[std::size_t(j + radius)];
-    for (int x = 0; x < width; ++x)
-      vertical[std::size_t(x + radius)] = vertical[std::size_t(x + radius)] + weight * source[x];
-  }
-  for (int x = 0; x < radius; ++x) {
-    vertical[std::size_t(x)] = vertical[std::size_t(radius)];
-    vertical[std::size_t(width + radius + x)] = vertical[std::size_t(width + radius - 1)];
-  }
-  out.assign(std::size_t(width), Colour{});
-  for (int x = 0; x < width; ++x)
-    for (int i = 0; i <= 2 * radius; ++i)
-      out[std::size_t(x)] = out[std::size_t(x)] + weights[std::size_t(i)] * vertical[std::size_t(x + i)];
-}
-
-// Close to normal, standard deviation 1: the sum of the four 16-bit parts of one draw.
-float quick_normal(Random& random) {
-  const std::uint64_t bits = random.bits();
-  const int sum = int(bits & 0xffff) + int((bits >> 16) & 0xffff) + int((bits >> 32) & 0xffff) + int(bits >> 48);
-  return float(sum - 131070) * (1.7320508f / 65536);
+template <class Work>
+void for_rows_in_bands(int rows, const Run& run, const Work& work) {
+  const std::size_t bands = std::size_t((rows + kBandRows - 1) / kBandRows);
+  parallel_for(run, bands, [&](std::size_t band) {
+    const int first = int(band) * kBandRows;
+    for (int row = first; row < std::min(first + kBandRows, rows); ++row) work(row);
+  });
 }
 
 std::uint8_t rounded(float grey) { return std::uint8_t(std::clamp(grey + 0.5f, 0.0f, 255.0f)); }
@@ -151,6 +130,42 @@ std::array<float, kToneSteps + 2> tone_table() {
 }
 
 }  // namespace
+
+std::vector<float> gaussian_weights(double sigma_px) {
+  const int radius = sigma_px > 0 ? int(std::ceil(3 * sigma_px)) : 0;
+  std::vector<float> weights;
+  double sum = 0;
+  for (int i = -radius; i <= radius; ++i) sum += std::exp(-0.5 * i * i / std::max(1e-9, sigma_px * sigma_px));
+  for (int i = -radius; i <= radius; ++i)
+    weights.push_back(float(std::exp(-0.5 * i * i / std::max(1e-9, sigma_px * sigma_px)) / sum));
+  return weights;
+}
+
+void blur_row(const Raster<Colour>& light, int row, const std::vector<float>& weights, std::vector<Colour>& vertical,
+              std::vector<Colour>& out) {
+  const int radius = int(weights.size()) / 2, width = light.width;
+  vertical.assign(std::size_t(width + 2 * radius), Colour{});
+  for (int j = -radius; j <= radius; ++j) {
+    const Colour* source = light.row(std::clamp(row + j, 0, light.height - 1));
+    const float weight = weights[std::size_t(j + radius)];
+    for (int x = 0; x < width; ++x)
+      vertical[std::size_t(x + radius)] = vertical[std::size_t(x + radius)] + weight * source[x];
+  }
+  for (int x = 0; x < radius; ++x) {
+    vertical[std::size_t(x)] = vertical[std::size_t(radius)];
+    vertical[std::size_t(width + radius + x)] = vertical[std::size_t(width + radius - 1)];
+  }
+  out.assign(std::size_t(width), Colour{});
+  for (int x = 0; x < width; ++x)
+    for (int i = 0; i <= 2 * radius; ++i)
+      out[std::size_t(x)] = out[std::size_t(x)] + weights[std::size_t(i)] * vertical[std::size_t(x + i)];
+}
+
+float quick_normal(Random& random) {
+  const std::uint64_t bits = random.bits();
+  const int sum = int(bits & 0xffff) + int((bits >> 16) & 0xffff) + int((bits >> 32) & 0xffff) + int(bits >> 48);
+  return float(sum - 131070) * (1.7320508f / 65536);
+}
 
 float tone(float light) {
   static const std::array<float, kToneSteps + 2> table = tone_table();
@@ -191,28 +206,26 @@ Eigen::Vector3d RayTable::direction(int column, int row, double dx, double dy) c
   return direction;
 }
 
+Raster<Colour> exposed_light(const Truth& truth, ImageId image, const PixelRays& rays, int width, RowRange rows,
+                             const Run& run) {
+  Photographer photographer(truth, image, rays, width, rows);
+  for_rows_in_bands(rows.count, run, [&](int row) { photographer.expose_row(row); });
+  for_rows_in_bands(rows.count, run, [&](int row) { photographer.refine_row(row); });
+  return std::move(photographer).take_light();
+}
+
 Result<ColourImage> render(const Truth& truth, ImageId image, const RayTable& rays, const Run& run) {
   const Camera& camera = rays.camera();
-  const std::size_t bands = std::size_t((camera.height_px + kBandRows - 1) / kBandRows);
-  const auto in_bands = [&](auto&& work) {
-    parallel_for(run, bands, [&](std::size_t band) {
-      const int first = int(band) * kBandRows;
-      for (int row = first; row < std::min(first + kBandRows, camera.height_px); ++row) work(row);
-    });
-  };
-  Photographer photographer(truth, image, rays);
-  in_bands([&](int row) { photographer.expose_row(row); });
-  in_bands([&](int row) { photographer.refine_row(row); });
-
+  const Raster<Colour> light = exposed_light(truth, image, rays, camera.width_px, {0, camera.height_px}, run);
   ColourImage raster(camera.width_px, camera.height_px, 3);
-  const std::vector<float> weights = gaussian(truth.optics.blur_px);
+  const std::vector<float> weights = gaussian_weights(truth.optics.blur_px);
   std::array<double, 3> gain;
   gain.fill(truth.exposure.at(image));
   if (const auto white = truth.white.find(image); white != truth.white.end())
     for (std::size_t c = 0; c < 3; ++c) gain[c] *= white->second[c];
-  in_bands([&](int row) {
+  for_rows_in_bands(camera.height_px, run, [&](int row) {
     thread_local std::vector<Colour> vertical, blurred;
-    blur_row(photographer.light(), row, weights, vertical, blurred);
+    blur_row(light, row, weights, vertical, blurred);
     const std::uint64_t item = (std::uint64_t{image.value} + 1) * 100000 + std::uint64_t(row);
     write_row(blurred, row, truth, gain, camera, Random(truth.seed, item), raster.row(row));
   });

@@ -38,19 +38,19 @@ void choose_strips(Plan& plan, int images) {
   plan.dropped = plan.strips * plan.per_strip - rest;
 }
 
-Result<Plan> plan_of(const SurveyOptions& o) {
+Plan plan_of(const SurveyOptions& o, const Camera& camera) {
   Plan plan;
-  COLLINEA_TRY(plan.camera, true_camera(o.camera, 0.67));
+  plan.camera = camera;
   const double focal = plan.camera.focal_px();
   plan.height_m = o.height_m.value_or(o.gsd_m * focal);
   plan.gsd_m = plan.height_m / focal;
-  plan.across_m = o.camera.width_px * plan.gsd_m;
-  plan.along_m = o.camera.height_px * plan.gsd_m;
-  plan.base_m = (1 - o.forward_overlap) * plan.along_m;
-  plan.spacing_m = (1 - o.side_overlap) * plan.across_m;
+  plan.across_m = camera.width_px * plan.gsd_m;
+  plan.along_m = camera.height_px * plan.gsd_m;
+  plan.base_m = (1 - o.forward_overlap.value_or(0.75)) * plan.along_m;
+  plan.spacing_m = (1 - o.side_overlap.value_or(0.65)) * plan.across_m;
   plan.strips = o.strips;
   plan.per_strip = o.images_per_strip;
-  plan.cross_strips = o.cross_strips;
+  plan.cross_strips = o.cross_strips.value_or(2);
   plan.per_cross = o.images_per_cross_strip;
   if (o.images) choose_strips(plan, *o.images);
   return plan;
@@ -107,7 +107,8 @@ struct Area {
 };
 
 // All ground that any image may show: its corners traced down to a level below all terrain.
-Result<Area> ground_in_view(const Camera& camera, const std::vector<Rigid3>& poses, double level_m) {
+Result<Area> ground_in_view(const Camera& camera, const std::vector<Rigid3>& poses, double level_m,
+                             double margin_m) {
   Area area;
   const double w = camera.width_px, h = camera.height_px;
   for (const Rigid3& pose : poses)
@@ -119,7 +120,7 @@ Result<Area> ground_in_view(const Camera& camera, const std::vector<Rigid3>& pos
                     "the images show the horizon: longer focal length or smaller attitude_jitter_deg needed");
       area.include((centre + ray * ((level_m - centre.z()) / ray.z())).head<2>());
     }
-  return area.grown(2, 2);
+  return area.grown(2 + margin_m, 2 + margin_m);
 }
 
 // Open ground in the sun, as a surveyor would choose it.
@@ -173,9 +174,15 @@ Result<> mark_control(Truth& truth, const SurveyOptions& o, const Area& mapped, 
 
 Result<Truth> make_survey(const SurveyOptions& o, const Run& run) {
   COLLINEA_TRY(validate(o));
+  COLLINEA_TRY(const Camera camera, true_camera(o.camera, 0.67));
+  return make_survey(o, camera, 0, run);
+}
+
+Result<Truth> make_survey(const SurveyOptions& o, const Camera& camera, double margin_px, const Run& run) {
+  COLLINEA_TRY(validate(o));
   COLLINEA_TRY(LocalFrame frame,
                LocalFrame::create(o.site.crs, o.site.latitude_deg, o.site.longitude_deg, o.site.ground_height_m));
-  COLLINEA_TRY(const Plan plan, plan_of(o));
+  const Plan plan = plan_of(o, camera);
   const auto seed = std::uint64_t(o.seed);
   const std::vector<Station> stations = stations_of(plan);
   std::vector<Rigid3> poses;
@@ -184,7 +191,7 @@ Result<Truth> make_survey(const SurveyOptions& o, const Run& run) {
     poses.push_back(looking_down(stations[i], o, Random(seed, 100 + i)));
     flown.include({stations[i].x, stations[i].y});
   }
-  COLLINEA_TRY(const Area shown, ground_in_view(plan.camera, poses, -1.2 * o.relief_m));
+  COLLINEA_TRY(const Area shown, ground_in_view(plan.camera, poses, -1.2 * o.relief_m, 1.2 * margin_px * plan.gsd_m));
   const Area mapped = flown.grown(0.3 * plan.across_m, 0.3 * plan.along_m);
 
   Truth truth{.scene = make_village(village_of(o, plan, shown, mapped.grown(10, 10))),

@@ -13,8 +13,9 @@ namespace collinea {
 /// An aerial block over made-up country.
 struct SurveyOptions {
   std::optional<int> images = {};
-  int strips = 3, images_per_strip = 6, cross_strips = 2, images_per_cross_strip = 3;
-  double forward_overlap = 0.75, side_overlap = 0.65;
+  int strips = 3, images_per_strip = 6, images_per_cross_strip = 3;
+  std::optional<int> cross_strips = {};
+  std::optional<double> forward_overlap = {}, side_overlap = {};
   double gsd_m = 0.05;
   std::optional<double> height_m = {};
   SurveyCamera camera;
@@ -34,10 +35,12 @@ struct SurveyOptions {
     visit(Field{"images", &O::images, "1", "number of images in all; nothing: what the strips give", 2, 100000});
     visit(Field{"strips", &O::strips, "1", "parallel strips", 1, 1000});
     visit(Field{"images_per_strip", &O::images_per_strip, "1", "images in each strip", 1, 1000});
-    visit(Field{"cross_strips", &O::cross_strips, "1", "strips across the others, flown 15 % higher", 0, 1000});
+    visit(Field{"cross_strips", &O::cross_strips, "1", "strips across the others, flown 15 % higher; nothing: 2, of film 0", 0, 1000});
     visit(Field{"images_per_cross_strip", &O::images_per_cross_strip, "1", "images in each cross strip", 1, 1000});
-    visit(Field{"forward_overlap", &O::forward_overlap, "1", "overlap along a strip", 0.0, 0.95});
-    visit(Field{"side_overlap", &O::side_overlap, "1", "overlap of neighbouring strips", 0.0, 0.95});
+    visit(Field{"forward_overlap", &O::forward_overlap, "1", "overlap along a strip; nothing: 0.75, of film 0.6", 0.0,
+                0.95});
+    visit(Field{"side_overlap", &O::side_overlap, "1", "overlap of neighbouring strips; nothing: 0.65, of film 0.3", 0.0,
+                0.95});
     visit(Field{"gsd_m", &O::gsd_m, "m", "size of a pixel on the ground; not used when height_m is given", 0.001, 10});
     visit(Field{"height_m", &O::height_m, "m", "flying height above ground; nothing: from gsd_m and the focal length",
                 1, 10000});
@@ -64,6 +67,9 @@ struct SurveyOptions {
 
 /// The survey: scene, exact camera and poses, control. Errors: options out of range, unknown CRS, marks do not fit.
 [[nodiscard]] Result<Truth> make_survey(const SurveyOptions& options, const Run& run = {});
+/// The same, taken with another camera than that of the options, whose image goes on by `margin_px` beyond its sides.
+[[nodiscard]] Result<Truth> make_survey(const SurveyOptions& options, const Camera& camera, double margin_px,
+                                        const Run& run);
 
 /// A walk in an arc before a façade, camera in hand and on a pole.
 struct FacadeOptions {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,8 @@
 #include "collinea/base/finding.h"
 #include "collinea/base/options.h"
 #include "collinea/block/block.h"
+#include "collinea/film/ideal_picture.h"
+#include "collinea/film/scan_orientation.h"
 #include "collinea/geodesy/heights.h"
 
 namespace collinea {
@@ -26,6 +29,9 @@ struct ImportOptions {
   std::optional<std::filesystem::path> positions;
   CameraModel camera_model = Brown{};
   std::optional<std::string> camera_params;
+  std::optional<std::filesystem::path> film;
+  std::optional<double> film_pixel_um;
+  ScanMarkOptions film_marks;
   double gps_sigma_m = 2;
   double gps_sigma_height_m = 4;
   double control_sigma_m = 0.02;
@@ -61,6 +67,14 @@ struct ImportOptions {
     visit(Field{"camera_params", &O::camera_params, "px",
                 "known camera for all images, fixed: fx,fy,cx,cy[,k1,k2,k3,p1,p2], of kannala_brandt "
                 "fx,fy,cx,cy[,k1,k2,k3,k4]; centre of the first pixel is 0.5"});
+    visit(Field{"film", &O::film, "",
+                "calibration of a film camera: the photographs are scans of its film. Their marks are found, and each is "
+                "brought to the ideal picture of the camera; control is measured in pixels of the scans"}
+              .leads_to(PathKind::kFile));
+    visit(Field{"film_pixel_um", &O::film_pixel_um, "um",
+                "size of a pixel of the scans, by which marks are looked for; nothing: the film fills the scan", 0.1,
+                1000});
+    visit(Part{&O::film_marks});
     visit(Field{"gps_sigma_m", &O::gps_sigma_m, "m",
                 "standard deviation of image positions in plan where the file states none", 1e-3});
     visit(Field{"gps_sigma_height_m", &O::gps_sigma_height_m, "m", "the same for heights", 1e-3});
@@ -74,8 +88,15 @@ struct ImportOptions {
 /// Relative standard deviation of a focal length from the header of an image: EXIF rounds to whole millimetres.
 inline constexpr double kExifFocalSigma = 0.05;
 
+/// Scans of film, their interior orientations and the picture that all are brought to.
+struct ImportedFilm {
+  IdealPicture picture;
+  std::map<ImageId, ScanOrientation> scans;
+};
+
 struct Imported {
   Block block;
+  std::optional<ImportedFilm> film = {};
   std::vector<std::string> file_hash;  ///< of each image's bytes, in the order of Block::images
   std::vector<Finding> skipped;        ///< files that did not become part of the block: the first subjects, and why
   std::vector<Finding> findings;       ///< assumed focal lengths, control in no image, ...

@@ -2,6 +2,7 @@
 // Findings on what is given and on what is made: images and files, products and exchange.
 #include <fmt/format.h>
 
+#include "collinea/report/finding_words.h"
 #include "collinea/report/internal/finding_sentences.h"
 
 namespace collinea {
@@ -57,7 +58,13 @@ std::string words_of_given(const FindingWords& w) {
     case C::kImageUnreadable:
     case C::kImageTooSmall:
     case C::kImageDuplicate:
+    case C::kScanNotOriented:
       return "Image " + w.subject(0) + " is skipped: " + reason_of(w.finding, w.block) + ".";
+    case C::kScanMarksDisagree:
+      return fmt::format("Scan {}: its {} fiducial marks miss the calibration by {:.2f} px in the root mean square{}. Its "
+                         "image coordinates may be off by as much.",
+                         w.subject(0), w.whole(F::kOf), w[F::kOffsetPx],
+                         w[F::kCount] > 0 ? fmt::format(", and {} left out as misread", w.whole(F::kCount)) : "");
     case C::kFolderUnreadable:
       return "Folder " + w.subject(0) + " is skipped: " + reason_of(w.finding, w.block) + ".";
     default:

@@ -223,6 +223,7 @@ std::string report_page(const ReportInput& input, const ReportSummary& s, const 
   html += control_section(input, s);
   html += geodetic_section(input);
   html += position_section(input, s);
+  html += film_section(input);
   html += camera_section(input, s);
   html += residual_section(s);
   html += image_section(input, s);

@@ -19,6 +19,7 @@ namespace collinea {
 [[nodiscard]] std::string geodetic_section(const ReportInput& input);
 [[nodiscard]] std::string position_section(const ReportInput& input, const ReportSummary& summary);
 [[nodiscard]] std::string camera_section(const ReportInput& input, const ReportSummary& summary);
+[[nodiscard]] std::string film_section(const ReportInput& input);
 [[nodiscard]] std::string image_section(const ReportInput& input, const ReportSummary& summary);
 [[nodiscard]] std::string left_out_section(const ReportInput& input, const ReportSummary& summary);
 [[nodiscard]] std::string process_section(const ReportInput& input);

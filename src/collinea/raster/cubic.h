@@ -8,7 +8,7 @@
 
 #include "collinea/raster/raster.h"
 
-namespace collinea::dense {
+namespace collinea {
 
 /// Weights of the four samples around a position at phase i / 256: Catmull-Rom.
 inline std::array<std::array<float, 4>, 257> cubic_weights() {
@@ -48,4 +48,4 @@ template <int kChannels>
   return std::uint8_t(std::clamp(int(sum + 0.5f), 1, 255));
 }
 
-}  // namespace collinea::dense
+}  // namespace collinea

@@ -11,6 +11,8 @@
 #include "collinea/base/run.h"
 #include "collinea/camera/film_calibration.h"
 #include "collinea/camera/mark_readings.h"
+#include "collinea/feature/fiducial_mark.h"
+#include "collinea/raster/raster.h"
 
 namespace collinea {
 
@@ -40,6 +42,23 @@ struct ScanMarks {
   std::vector<MarkReading> marks;
   double least_correlation = 1;
 };
+
+/// How all marks of some scans are looked for.
+struct MarkSearch {
+  FilmCalibration calibration;
+  std::optional<double> pixel_mm = {};
+  ScanMarkOptions options = {};
+  std::optional<MarkModel> learnt = {};  ///< of --mark-at
+};
+
+/// The search, with the mark learnt from `first_scan` where one was pointed to. Errors: options, a calibration without
+/// marks, nothing that could be a mark.
+[[nodiscard]] Result<MarkSearch> mark_search(const FilmCalibration& calibration, std::optional<double> pixel_mm,
+                                             const ScanMarkOptions& options, const std::filesystem::path& first_scan);
+
+/// The marks of one scan. Errors: fewer than three found where the calibration has them.
+[[nodiscard]] Result<ScanMarks> find_marks(const GreyImage& scan, const std::string& name, const MarkSearch& search,
+                                           const Run& run);
 
 /// Whether marks are to be found in it: a folder, or a file that is an image by its name.
 [[nodiscard]] bool is_scan(const std::filesystem::path& path);

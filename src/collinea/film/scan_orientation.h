@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "collinea/film/scan_marks.h"
+
+namespace collinea {
+
+/// The interior orientation of a scan by its marks.
+struct ScanOrientation {
+  FilmChoice choice;                           ///< of the transformation
+  std::optional<FilmDeformation> deformation;  ///< nothing where the marks do not tell
+  std::size_t marks = 0;                       ///< found and part of the calibration
+
+  [[nodiscard]] const FilmTransformation& scan_from_film() const { return choice.fit.transformation; }
+  [[nodiscard]] double pixel_mm() const;     ///< mean of both axes, in the middle of the film
+  [[nodiscard]] double rms_mm() const;       ///< of the residuals of marks that were used, each coordinate
+  [[nodiscard]] std::size_t misread() const;  ///< marks that were left out
+};
+
+/// All marks weigh alike: film and scanner move them by more than they are read badly. The transformation is the smallest
+/// that the larger ones do not reject. Errors: marks that determine none.
+[[nodiscard]] Result<ScanOrientation> oriented_scan(const FilmCalibration& calibration, const ScanMarks& found);
+
+}  // namespace collinea

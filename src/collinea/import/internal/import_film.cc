@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/import/internal/import_film.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "collinea/base/units.h"
+#include "collinea/import/reason.h"
+#include "collinea/io/film_calibration_file.h"
+#include "collinea/math/median.h"
+
+namespace collinea {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A scan whose marks miss by more than this, and by three times what those of others do, is called poor.
+constexpr double kPoorRms_mm = 0.02, kPoorTimes = 3;
+
+Result<ScanOrientation> orient(const fs::path& path, const MarkSearch& search, const Run& run) {
+  COLLINEA_TRY(const GreyImage scan, read_grey(path));
+  COLLINEA_TRY(const ScanMarks marks, find_marks(scan, path.stem().string(), search, run));
+  return oriented_scan(search.calibration, marks);
+}
+
+Result<MarkSearch> search_of(const fs::path& photos, const std::vector<std::string>& files,
+                             const ImportOptions& options) {
+  if (options.camera_params)
+    return fail(Errc::kBadInput, "the camera of film is that of its calibration", {"camera_params"_option, "film"_option});
+  COLLINEA_TRY(const FilmCalibration calibration, read_film_calibration(*options.film));
+  std::optional<double> pixel_mm;
+  if (options.film_pixel_um) pixel_mm = 1e-3 * *options.film_pixel_um;
+  if (calibration.marks.empty())
+    return fail(Errc::kBadInput, options.film->string() + ": no marks, by which scans are oriented: lines mark NAME X Y",
+                {"film"_option});
+  return mark_search(calibration, pixel_mm, options.film_marks, photos / files.front());
+}
+
+}  // namespace
+
+ImageHeader FilmFolder::header() const {
+  ImageHeader header;
+  header.width_px = picture.camera.width_px;
+  header.height_px = picture.camera.height_px;
+  return header;
+}
+
+Result<FilmFolder> film_folder(const fs::path& photos, const std::vector<std::string>& files,
+                               const ImportOptions& options, const Run& run) {
+  if (files.empty()) return FilmFolder{};  // what is missing is said of every folder
+  COLLINEA_TRY(const MarkSearch search, search_of(photos, files, options));
+  std::vector<Result<ScanOrientation>> oriented(files.size(), fail(Errc::kNotFound, "not read"));
+  UnitList list{.stage = "fiducial marks"};
+  for (std::size_t i = 0; i < files.size(); ++i) list.units.push_back(Unit::file(i));
+  const auto work = [&](std::size_t i, const Run& one) -> Result<UnitWorked> {
+    oriented[i] = orient(photos / files[i], search, one);
+    return UnitWorked{};
+  };
+  COLLINEA_TRY(run_units(run, list, {.work = work}));
+  FilmFolder folder;
+  std::vector<double> sizes_mm;
+  const Error* first = nullptr;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (oriented[i]) sizes_mm.push_back(oriented[i]->pixel_mm());
+    if (!oriented[i] && !first) first = &oriented[i].error();
+  }
+  if (sizes_mm.empty()) {
+    Error none = *first;
+    return tl::unexpected(std::move(none)
+                              .within(fmt::format("{}: of {} files no one shows the marks of the film; the first: {}",
+                                                  photos.string(), files.size(), files.front()))
+                              .about("film"_option));
+  }
+  folder.picture = ideal_picture(search.calibration, median(sizes_mm));
+  for (std::size_t i = 0; i < files.size(); ++i) folder.scans.emplace(files[i], std::move(oriented[i]));
+  return folder;
+}
+
+void name_poor_scans(Imported& imported) {
+  std::vector<double> all_mm;
+  for (const auto& [id, scan] : imported.film->scans) all_mm.push_back(scan.rms_mm());
+  const double usual_mm = median(all_mm);
+  for (const auto& [id, scan] : imported.film->scans)
+    if (scan.rms_mm() > std::max(kPoorRms_mm, kPoorTimes * usual_mm) || scan.misread() > 0)
+      imported.findings.push_back(finding_of(FindingCode::kScanMarksDisagree, {id},
+                                             {{FigureName::kOffsetPx, scan.rms_mm() / scan.pixel_mm()},
+                                              {FigureName::kCount, double(scan.misread())},
+                                              {FigureName::kOf, double(scan.marks)}}));
+}
+
+}  // namespace collinea

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/synthetic/film.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "collinea/base/file.h"
+#include "collinea/base/parallel.h"
+#include "collinea/geodesy/refraction.h"
+#include "collinea/io/film_calibration_file.h"
+#include "collinea/io/text.h"
+#include "collinea/raster/image_file.h"
+#include "collinea/synthetic/write.h"
+
+namespace collinea {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr int kScanQuality = 95;   // of JPEG
+constexpr int kWindowRows = 256;   // of light in work at once
+constexpr int kFiner = 3;          // positions along a side of a pixel at which the frame is drawn
+constexpr std::uint64_t kWearStream = 7000, kGrainStream = 8000, kScratchStream = 9000;
+
+Random stream(const Truth& truth, std::uint64_t kind, ImageId image) {
+  return Random(truth.seed, (kind << 32) + image.value);
+}
+
+// The usual wide-angle aerial camera: marks in corners and sides, distortion of some um.
+FilmCalibration aerial_calibration(const FilmOptions& film) {
+  FilmCalibration c;
+  c.camera = "Collinea synthetic aerial camera 15/23";
+  c.principal_distance_mm = 153.264;
+  c.principal_point_mm = {0.012, -0.008};
+  c.symmetry_point_mm = c.principal_point_mm;
+  c.radial = {3.0e-5, -3.3e-9, 0, 0};
+  c.size_mm = {230, 230};
+  c.mark_size_mm = 1.6;
+  c.line_mm = 0.15;
+  c.picture_size_mm = Vector2d(214, 214);
+  constexpr double kAt = 109.8;
+  const Vector2d at[] = {{-kAt, -kAt}, {kAt, kAt}, {-kAt, kAt}, {kAt, -kAt}, {-kAt, 0}, {kAt, 0}, {0, kAt}, {0, -kAt}};
+  for (std::size_t i = 0; i < std::size(at); ++i)
+    c.marks.push_back({.name = std::to_string(i + 1),
+                       .film_mm = at[i],
+                       .kind = i < 4 ? film.corner_mark : film.side_mark});
+  return c;
+}
+
+// With pixels of that size, of the picture only.
+Camera picture_camera(const FilmCalibration& calibration, double pixel_mm) {
+  Camera camera = film_camera(calibration);
+  const Vector2d size = picture_size(calibration) / pixel_mm;
+  camera.width_px = int(size.x());
+  camera.height_px = int(size.y());
+  camera.params[Camera::kF] /= pixel_mm;
+  camera.params[Camera::kCx] = camera.params[Camera::kCx] / pixel_mm + camera.width_px / 2.0;
+  camera.params[Camera::kCy] = camera.params[Camera::kCy] / pixel_mm + camera.height_px / 2.0;
+  camera.prior.source = Provenance::kTrue;
+  return camera;
+}
+
+void set_bends(Truth& truth, double ground_height_m) {
+  for (auto& [id, image] : truth.block.images) {
+    const Rigid3 pose = pose_of(truth.block, id);
+    image.bend = {pose.rotation * -Eigen::Vector3d::UnitZ(),
+                  refraction_rad(ground_height_m + centre_of(pose).z(), ground_height_m)};
+  }
+}
+
+std::string scans_text(const FilmTruth& film) {
+  std::string text = "# image, column, row, rotation, scale_x, scale_y, shear\n";
+  for (const auto& [id, scan] : film.scans) {
+    text += film.truth.block.images.at(id).file;
+    for (const double value : scan.affine.parameters) text += ", " + exact(value);
+    text += "\n";
+  }
+  return text;
+}
+
+std::string fiducials_text(const FilmTruth& film) {
+  std::string text = "# image, mark, x, y\n";
+  for (const auto& [id, scan] : film.scans)
+    for (const CalibratedMark& mark : film.calibration.marks) {
+      const Vector2d at = scan.pixel_of(mark.film_mm);
+      text += film.truth.block.images.at(id).file + ", " + mark.name + ", " + fixed(at.x(), 4) + ", " +
+              fixed(at.y(), 4) + "\n";
+    }
+  return text;
+}
+
+// The light of a window of a scan: of the scene less what the lens loses, and of the frame where the scene is not.
+void finish_light(Raster<Colour>& light, int first_row, const FilmTruth& film, ImageId image, const FilmRays& rays,
+                  const Run& run) {
+  const FilmCalibration& calibration = film.calibration;
+  const double corner = 0.25 * calibration.size_mm.squaredNorm();
+  const float gain = float(film.truth.exposure.at(image));
+  parallel_for(run, std::size_t(light.height), [&](std::size_t y) {
+    Colour* row = light.row(int(y));
+    for (int x = 0; x < light.width; ++x) {
+      const double column = x + 0.5, line = first_row + double(y) + 0.5;
+      const Vector2d at = rays.film_mm(column, line);
+      if (shows_scene(calibration, at)) {
+        const double radius2 = (at - calibration.principal_point_mm).squaredNorm();
+        row[x] = gain * float(1 - film.truth.optics.vignetting * radius2 / corner) * row[x];
+        continue;
+      }
+      float sum = 0;
+      for (int k = 0; k < kFiner * kFiner; ++k)
+        sum += frame_light(calibration,
+                           rays.film_mm(column + (k % kFiner + 0.5) / kFiner - 0.5, line + (k / kFiner + 0.5) / kFiner - 0.5),
+                           image.value + 1);
+      const float mean = sum / (kFiner * kFiner);
+      row[x] = {mean, mean, mean};
+    }
+  });
+}
+
+void write_grey_row(const std::vector<Colour>& light, const std::vector<float>& grain, double grain_grey,
+                    std::uint8_t* out) {
+  for (std::size_t x = 0; x < light.size(); ++x) {
+    const float grey = tone(0.299F * light[x].r + 0.587F * light[x].g + 0.114F * light[x].b);
+    // Grain is strongest in middle densities.
+    const float share = grey / 255, strength = 0.3F + 1.4F * std::sqrt(std::max(0.0F, share * (1 - share)));
+    out[x] = std::uint8_t(std::clamp(grey + float(grain_grey) * strength * grain[x] + 0.5F, 0.0F, 255.0F));
+  }
+}
+
+}  // namespace
+
+Result<FilmTruth> make_film_survey(const SurveyOptions& survey, const FilmOptions& options, const Run& run) {
+  COLLINEA_TRY(validate(options));
+  FilmCalibration calibration = aerial_calibration(options);
+  const double pixel_mm = 1e-3 * options.scan_um;
+  SurveyOptions flight = survey;
+  flight.height_m = 1e-3 * options.photo_scale * calibration.principal_distance_mm;
+  flight.forward_overlap = survey.forward_overlap.value_or(0.6);
+  flight.side_overlap = survey.side_overlap.value_or(0.3);
+  flight.cross_strips = survey.cross_strips.value_or(0);
+  flight.receiver.gps = false;
+  const double margin_mm = 0.5 * (calibration.size_mm - picture_size(calibration)).maxCoeff();
+  COLLINEA_TRY(Truth truth,
+               make_survey(flight, picture_camera(calibration, pixel_mm), margin_mm / pixel_mm, run));
+  FilmTruth film{std::move(truth), std::move(calibration), pixel_mm, options.wear, {}};
+  set_bends(film.truth, survey.site.ground_height_m);
+  for (const auto& [id, image] : film.truth.block.images)
+    film.scans.emplace(id, worn_scan(film.calibration, pixel_mm, options.wear, stream(film.truth, kWearStream, id)));
+  return film;
+}
+
+Vector2d scan_pixel_of(const FilmTruth& film, ImageId image, const Vector2d& pixel) {
+  const Camera& camera = film.truth.block.camera_of(image);
+  const Eigen::Vector3d bent = film.truth.block.images.at(image).bend.bent(ray_in_cam(camera, pixel));
+  const Vector2d seen = project(camera, bent).value_or(pixel) - 0.5 * Vector2d(camera.width_px, camera.height_px);
+  return film.scans.at(image).pixel_of(film.pixel_mm * Vector2d(seen.x(), -seen.y()));
+}
+
+Result<GreyImage> render_scan(const FilmTruth& film, ImageId image, const Run& run) {
+  const FilmScan& scan = film.scans.at(image);
+  const FilmRays rays(film.calibration, scan, film_camera(film.calibration), film.truth.block.images.at(image).bend,
+                      run);
+  const std::vector<float> weights = gaussian_weights(film.truth.optics.blur_px);
+  const int margin = int(weights.size()) / 2 + 1;
+  GreyImage out(scan.width, scan.height);
+  for (int first = 0; first < scan.height; first += kWindowRows) {
+    const int last = std::min(first + kWindowRows, scan.height);
+    const int top = std::max(0, first - margin), bottom = std::min(scan.height, last + margin);
+    Raster<Colour> light = exposed_light(film.truth, image, rays, scan.width, {top, bottom - top}, run);
+    finish_light(light, top, film, image, rays, run);
+    parallel_for(run, std::size_t(last - first), [&](std::size_t i) {
+      thread_local std::vector<Colour> vertical, blurred;
+      thread_local std::vector<float> grain;
+      const int row = first + int(i);
+      blur_row(light, row - top, weights, vertical, blurred);
+      grain_of_row(film.truth.seed + kGrainStream, (std::uint64_t{image.value} + 1) * 1000000, row, scan.width, grain);
+      write_grey_row(blurred, grain, film.wear.grain_grey, out.row(row));
+    });
+    if (run.stopped()) return fail(Errc::kCancelled, "rendering was stopped");
+  }
+  wear_out(out, film.wear, stream(film.truth, kScratchStream, image));
+  return out;
+}
+
+Result<> simulate(const SurveyOptions& survey, const FilmOptions& options, const std::filesystem::path& folder,
+                  const Run& run) {
+  COLLINEA_TRY(const FilmTruth film, make_film_survey(survey, options, run));
+  std::error_code error;
+  std::filesystem::create_directories(folder / "images", error);
+  std::filesystem::create_directories(folder / "truth", error);
+  if (error) return fail(Errc::kNotFound, folder.string() + ": cannot be made: " + error.message());
+  Truth measured = film.truth;
+  for (ControlObservation& seen : measured.block.control_observations)
+    seen.pixel = scan_pixel_of(film, seen.image, seen.pixel);
+  COLLINEA_TRY(write_tables(measured, folder));
+  COLLINEA_TRY(write_file(folder / "film_calibration.txt", text_of(film.calibration)));
+  COLLINEA_TRY(write_file(folder / "truth/scans.csv", scans_text(film)));
+  COLLINEA_TRY(write_file(folder / "truth/fiducials.csv", fiducials_text(film)));
+  std::size_t done = 0;
+  for (const auto& [id, scan] : film.scans) {
+    COLLINEA_TRY(const GreyImage raster, render_scan(film, id, run));
+    COLLINEA_TRY(write_jpeg(folder / "images" / film.truth.block.images.at(id).file, raster, kScanQuality));
+    run.report("scans", double(++done) / double(film.scans.size()));
+  }
+  return write_products(film.truth, folder / "truth", film.truth.gsd_m, run);
+}
+
+}  // namespace collinea
