@@ -44,13 +44,13 @@ enum class FindingCode : std::uint8_t {
   kControlSeenOnce,      ///< a control point in one image
   kImageUnreadable,      ///< a file that is no readable image
   kImageTooSmall,
-  kImageDuplicate,    ///< the same bytes as another one
+  kImageDuplicate,     ///< the same bytes as another one
   kScanNotOriented,    ///< a scan of film whose marks were not found
   kScanMarksDisagree,  ///< a scan of film whose marks do not lie as the calibration has them
-  kFolderUnreadable,  ///< a folder of images that cannot be looked into
-  kCamerasMerged,     ///< an orientation gives one camera several interior orientations
-  kOrientationTaken,  ///< poses come from elsewhere
-  kOrientationFixed,  ///< the same, and are not adjusted
+  kFolderUnreadable,   ///< a folder of images that cannot be looked into
+  kCamerasMerged,      ///< an orientation gives one camera several interior orientations
+  kOrientationTaken,   ///< poses come from elsewhere
+  kOrientationFixed,   ///< the same, and are not adjusted
   // Control against images and positions
   kControlMeasurement,           ///< one image measurement does not meet the others; excluded
   kControlMeasurementsDisagree,  ///< rays of a point miss each other; the point is excluded

@@ -47,8 +47,8 @@ Vector2d distorted_mm(const FilmCalibration& calibration, const Vector2d& correc
   return film;
 }
 
-Vector2d picture_size(const FilmCalibration& calibration) {
-  if (calibration.picture_size_mm) return *calibration.picture_size_mm;
+Vector2d film_image_size(const FilmCalibration& calibration) {
+  if (calibration.image_size_mm) return *calibration.image_size_mm;
   Vector2d half = 0.49 * calibration.size_mm;
   // A mark lies on a ground of its own, which reaches about as far as the mark again.
   const double reach = 1.5 * calibration.mark_size_mm;

@@ -49,14 +49,14 @@ struct FilmCalibration {
   std::vector<CalibratedMark> marks;
   Eigen::Vector2d size_mm = {230, 230};  ///< of the film, to find marks in scans
   /// The part of the film that shows nothing but the scene, about the origin; nothing: what the marks leave of it,
-  /// picture_size().
-  std::optional<Eigen::Vector2d> picture_size_mm = {};
+  /// film_image_size().
+  std::optional<Eigen::Vector2d> image_size_mm = {};
   double mark_size_mm = 1, line_mm = 0.1;
 };
 
-/// Width and height [mm] of the largest rectangle about the origin that no mark reaches into: of the stated picture, else
-/// of the film without its outer 2 %.
-[[nodiscard]] Eigen::Vector2d picture_size(const FilmCalibration& calibration);
+/// Width and height [mm] of the largest rectangle about the origin that no mark reaches into: of the stated one,
+/// else of the film without its outer 2 %.
+[[nodiscard]] Eigen::Vector2d film_image_size(const FilmCalibration& calibration);
 
 /// The inverse of corrected_mm(), by fixed point, to 1e-9 mm of lenses that distort by less than a tenth.
 [[nodiscard]] Eigen::Vector2d distorted_mm(const FilmCalibration& calibration, const Eigen::Vector2d& corrected_mm);

@@ -79,5 +79,30 @@ TEST(FilmCalibration, ARadialTableBecomesItsPolynomial) {
   EXPECT_FALSE(fit_radial(std::vector<double>{0}, std::vector<double>{0}));
 }
 
+TEST(FilmCalibration, CorrectionHasAnInverse) {
+  FilmCalibration c;
+  c.principal_distance_mm = 153;
+  c.principal_point_mm = {0.3, -0.2};
+  c.symmetry_point_mm = {0.1, 0.2};
+  c.radial = {1e-3, -3e-7, 2e-12, 1e-17};
+  c.decentring = {1e-6, -2e-6};
+  for (const Eigen::Vector2d& film_mm : {Eigen::Vector2d(0, 0), {110, 110}, {-90, 40}})
+    EXPECT_NEAR((distorted_mm(c, corrected_mm(c, film_mm)) - film_mm).norm(), 0, 1e-9);
+}
+
+TEST(FilmCalibration, ThePictureIsWhatTheMarksLeave) {
+  FilmCalibration c;
+  c.size_mm = {230, 230};
+  c.mark_size_mm = 2;  // and ground of as much again round it: 3 mm to each side
+  EXPECT_EQ(film_image_size(c), Eigen::Vector2d(0.98 * 230, 0.98 * 230));
+  c.marks = {{.name = "1", .film_mm = {110, 0}}, {.name = "2", .film_mm = {-112, 1}}};
+  EXPECT_NEAR(film_image_size(c).x(), 214, 1e-12);  // a mark at the side costs a strip there
+  EXPECT_NEAR(film_image_size(c).y(), 0.98 * 230, 1e-12);
+  c.marks = {{.name = "1", .film_mm = {106, -106}}};  // one in a corner costs both
+  EXPECT_NEAR((film_image_size(c) - Eigen::Vector2d(206, 206)).norm(), 0, 1e-12);
+  c.image_size_mm = Eigen::Vector2d(200, 190);
+  EXPECT_EQ(film_image_size(c), Eigen::Vector2d(200, 190));
+}
+
 }  // namespace
 }  // namespace collinea

@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "collinea/base/parallel.h"
-#include "collinea/raster/cubic.h"
 #include "collinea/dense/internal/pinhole.h"
+#include "collinea/raster/cubic.h"
 
 namespace collinea {
 namespace {
@@ -170,8 +170,7 @@ Raster<std::uint8_t> resampled(const Raster<std::uint8_t>& image, const Camera& 
       const Eigen::Vector2f below = upper[columns + i] + u * (upper[columns + i + 1] - upper[columns + i]);
       const Eigen::Vector2f at = above + v * (below - above);
       for (int c = 0; c < image.channels; ++c)
-        result.at(x, y, c) =
-            image.channels == 1 ? cubic<1>(image, at.x(), at.y()) : cubic<3>(image, at.x(), at.y(), c);
+        result.at(x, y, c) = image.channels == 1 ? cubic<1>(image, at.x(), at.y()) : cubic<3>(image, at.x(), at.y(), c);
     }
   });
   return result;

@@ -74,7 +74,7 @@ inline GreyImage rendered_scan(const FilmCalibration& calibration, const FilmTra
                                    top + y + (j - (i - kFiner / 2.0) / kFiner) / kFiner);
           const Eigen::Vector2d film = film_by_pixel * (at - middle);
           sum += mark_brightness(mark.kind.value_or(MarkKind::kCross), c * film.x() + s * film.y(),
-                            -s * film.x() + c * film.y(), calibration.mark_size_mm, calibration.line_mm);
+                                 -s * film.x() + c * film.y(), calibration.mark_size_mm, calibration.line_mm);
         }
         part.at(x, y) = float(sum / (kFiner * kFiner));
       }

@@ -33,8 +33,12 @@ Result<ScanOrientation> oriented_scan(const FilmCalibration& calibration, const 
   std::vector<FilmMark> marks;
   for (const MarkReading& read : found.marks)
     for (const CalibratedMark& known : calibration.marks)
-      if (known.name == read.mark) marks.push_back({.name = read.mark, .film_mm = known.film_mm, .pixel = read.position});
+      if (known.name == read.mark)
+        marks.push_back({.name = read.mark, .film_mm = known.film_mm, .pixel = read.position});
+  // Four marks leave an affine transformation two checks.
   auto choice = choose_film_model(marks, {});
+  if (choice && marks.size() >= 4)
+    if (auto affine = fit_film(marks, FilmModel::kAffine, {})) choice->fit = *std::move(affine);
   if (!choice)
     return fail(Errc::kIllPosed,
                 fmt::format("{} marks whose positions do not determine a transformation", marks.size()));

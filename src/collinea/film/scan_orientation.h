@@ -12,13 +12,15 @@ struct ScanOrientation {
   std::size_t marks = 0;                       ///< found and part of the calibration
 
   [[nodiscard]] const FilmTransformation& scan_from_film() const { return choice.fit.transformation; }
-  [[nodiscard]] double pixel_mm() const;     ///< mean of both axes, in the middle of the film
-  [[nodiscard]] double rms_mm() const;       ///< of the residuals of marks that were used, each coordinate
+  [[nodiscard]] double pixel_mm() const;      ///< mean of both axes, in the middle of the film
+  [[nodiscard]] double rms_mm() const;        ///< of the residuals of marks that were used, each coordinate
   [[nodiscard]] std::size_t misread() const;  ///< marks that were left out
 };
 
-/// All marks weigh alike: film and scanner move them by more than they are read badly. The transformation is the smallest
-/// that the larger ones do not reject. Errors: marks that determine none.
+/// All marks weigh alike: film and scanner move them by more than they are read badly. The transformation is affine:
+/// that of one scan may be indistinguishable from a smaller one, but what a smaller one leaves in the scans of a block
+/// adds up in its heights. Of three marks it is the smallest that the larger ones do not reject. Errors: marks that
+/// determine none.
 [[nodiscard]] Result<ScanOrientation> oriented_scan(const FilmCalibration& calibration, const ScanMarks& found);
 
 }  // namespace collinea

@@ -264,7 +264,7 @@ class Importer {
   Importer(const fs::path& folder, const ImportOptions& options, CameraModel model,
            std::optional<std::vector<double>> camera_params, FilmFolder* film)
       : folder_(folder), options_(options), model_(model), camera_params_(std::move(camera_params)), film_(film) {
-    if (film) result.film = ImportedFilm{film->picture, {}};
+    if (film) result.film = ImportedFilm{film->ideal, {}};
   }
 
   void add(const ImageFile& source) {
@@ -320,7 +320,7 @@ class Importer {
     const CameraId id{static_cast<std::uint32_t>(cameras_.size())};
     cameras_[key] = id;
     if (film_) {
-      result.block.cameras[id] = film_->picture.camera;
+      result.block.cameras[id] = film_->ideal.camera;
       return id;
     }
     Camera camera = camera_params_ ? given_camera(model_, *camera_params_, header.width_px, header.height_px)

@@ -93,9 +93,9 @@ Result<> read_length(const Words& words, Reading& reading) {
   } else if (words[0] == "film_size_mm") {
     COLLINEA_TRY(const auto values, positive(words, 2, 2));
     c.size_mm = {values[0], values[1]};
-  } else if (words[0] == "picture_size_mm") {
+  } else if (words[0] == "image_size_mm") {
     COLLINEA_TRY(const auto values, positive(words, 2, 2));
-    c.picture_size_mm = Eigen::Vector2d(values[0], values[1]);
+    c.image_size_mm = Eigen::Vector2d(values[0], values[1]);
   } else {
     COLLINEA_TRY(const auto values, numbers(words, 2, 2));
     (words[0] == "principal_point_mm" ? c.principal_point_mm : c.symmetry_point_mm) = {values[0], values[1]};
@@ -105,7 +105,7 @@ Result<> read_length(const Words& words, Reading& reading) {
 
 constexpr std::string_view kLengths[] = {"principal_distance_mm", "principal_point_mm", "symmetry_point_mm",
                                          "mark_sigma_mm",         "mark_size_mm",       "film_size_mm",
-                                         "picture_size_mm"};
+                                         "image_size_mm"};
 constexpr std::string_view kLens[] = {"radial_correction", "radial_distortion", "radial_distortion_um",
                                       "decentring_correction", "decentring_distortion"};
 
@@ -190,7 +190,7 @@ std::string text_of(const FilmCalibration& c) {
   line("radial_correction", {c.radial[0], c.radial[1], c.radial[2], c.radial[3]});
   line("decentring_correction", {c.decentring[0], c.decentring[1]});
   line("film_size_mm", {c.size_mm.x(), c.size_mm.y()});
-  if (c.picture_size_mm) line("picture_size_mm", {c.picture_size_mm->x(), c.picture_size_mm->y()});
+  if (c.image_size_mm) line("image_size_mm", {c.image_size_mm->x(), c.image_size_mm->y()});
   line("mark_size_mm", {c.mark_size_mm, c.line_mm});
   double sigma_mm = 0;
   for (const CalibratedMark& mark : c.marks) {

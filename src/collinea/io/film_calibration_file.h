@@ -23,7 +23,8 @@ namespace collinea {
 ///     mark_sigma_mm           S            of the coordinates of the marks that follow
 ///     mark_size_mm            SIZE [LINE]  what their drawing is wide, and its lines
 ///     film_size_mm            WIDTH HEIGHT
-///     picture_size_mm         WIDTH HEIGHT    of the part that shows nothing but the scene; missing: found from the marks
+///     image_size_mm         WIDTH HEIGHT    of the part that shows nothing but the scene; missing: found from the
+///     marks
 /// Only the distance is required. Errors name the line: an unknown word, one twice, values that are none, a mark twice,
 /// both polynomial and table.
 [[nodiscard]] Result<FilmCalibration> parse_film_calibration(std::string_view text);

@@ -34,6 +34,25 @@ TEST(FilmCalibrationFile, ReadsACertificate) {
   EXPECT_FALSE(c->marks[1].kind);
 }
 
+TEST(FilmCalibrationFile, WritesWhatItReads) {
+  auto c = parse_film_calibration(kExample);
+  ASSERT_TRUE(c);
+  c->image_size_mm = Eigen::Vector2d(210.5, 212);
+  const std::string text = text_of(*c);
+  const auto again = parse_film_calibration(text);
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(text_of(*again), text);
+  EXPECT_EQ(again->camera, c->camera);
+  EXPECT_EQ(again->radial, c->radial);
+  EXPECT_EQ(again->decentring, c->decentring);
+  EXPECT_EQ(again->symmetry_point_mm, c->symmetry_point_mm);
+  EXPECT_EQ(again->image_size_mm, c->image_size_mm);
+  ASSERT_EQ(again->marks.size(), 3u);
+  EXPECT_EQ(again->marks[0].kind, MarkKind::kCross);
+  EXPECT_EQ(again->marks[1].film_mm, c->marks[1].film_mm);
+  EXPECT_EQ(again->marks[2].sigma_mm, 0.002);
+}
+
 TEST(FilmCalibrationFile, ATableOfTheDistortionIsMinusTheCorrection) {
   const auto c = parse_film_calibration(
       "principal_distance_mm 152\nradial_distortion_um 50 2\nradial_distortion_um 100 -3\nradial_distortion_um 140 1\n"

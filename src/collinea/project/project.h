@@ -21,9 +21,9 @@ struct Project {
   Run run;
   std::shared_ptr<const ProjectLock> lock = {};  ///< held by who works on it; none: only looked at
 
-  /// The photograph that steps work on: of film the picture that import made of the scan.
+  /// The photograph that steps work on: of film the ideal image that import made of the scan.
   [[nodiscard]] std::filesystem::path image_file(const Image& image) const {
-    if (settings.import.film) return folder / "film" / picture_name(image.file);
+    if (settings.import.film) return folder / "film" / ideal_image_name(image.file);
     return std::filesystem::path(settings.photos) / image.file;
   }
   /// The cloud in the map, in the form that was asked for.

@@ -59,8 +59,8 @@ Result<int> channels_of(const std::filesystem::path& path) {
   const char* const drivers[] = {"JPEG", "PNG", "GTiff", nullptr};
   const GdalDataset file(GDALOpenEx(path.c_str(), GDAL_OF_READONLY | GDAL_OF_RASTER, drivers, nullptr, nullptr));
   if (!file) return errors.error(Errc::kBadFormat, "reading " + path.string());
-  const bool is_grey = GDALGetRasterCount(file.get()) == 1 &&
-                       !GDALGetRasterColorTable(GDALGetRasterBand(file.get(), 1));
+  const bool is_grey =
+      GDALGetRasterCount(file.get()) == 1 && !GDALGetRasterColorTable(GDALGetRasterBand(file.get(), 1));
   return is_grey ? 1 : 3;
 }
 

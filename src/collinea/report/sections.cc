@@ -224,7 +224,7 @@ std::string film_section(const ReportInput& input) {
     if (const auto* import = std::get_if<ImportRecord>(&step.outcome)) film = &import->film;
   if (!film || film->empty()) return "";
   std::string html =
-      "<section><h2>Film</h2>\n<p>The photographs are scans of film. Each was brought, once, to the picture that its "
+      "<section><h2>Film</h2>\n<p>The photographs are scans of film. Each was brought, once, to the image that its "
       "camera would have taken without distortion on film that did not shrink, by the transformation that its fiducial "
       "marks need. Between the marks film may be deformed by about the residuals.</p>\n"
       "<table><thead><tr><th class=\"l\">scan</th><th class=\"l\">transformation</th><th>marks</th><th>misread</th>"

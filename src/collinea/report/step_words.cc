@@ -20,11 +20,12 @@ std::string words(const std::vector<FilmScanRecord>& film) {
 }
 
 std::string words(const ImportRecord& r) {
-  return fmt::format(
-      "{}, {}, {}, {}{}{}", counted(r.images, "image"), counted(r.cameras, "camera"), counted(r.positions, "position"),
-      counted(r.control_points, "control point"),
-      r.geodetic_observations == 0 ? "" : ", " + counted(r.geodetic_observations, "measurement") + " on the ground",
-      r.crs ? ", map " + *r.crs : ", no map: local gauge") +
+  return fmt::format("{}, {}, {}, {}{}{}", counted(r.images, "image"), counted(r.cameras, "camera"),
+                     counted(r.positions, "position"), counted(r.control_points, "control point"),
+                     r.geodetic_observations == 0
+                         ? ""
+                         : ", " + counted(r.geodetic_observations, "measurement") + " on the ground",
+                     r.crs ? ", map " + *r.crs : ", no map: local gauge") +
          words(r.film);
 }
 

@@ -34,7 +34,7 @@ std::string hash_of_images(const Imported& imported) {
   return hash.hex();
 }
 
-// The pictures of scans of film, FOLDER/film/NAME.jpg: what all further steps work on.
+// The ideal images of scans of film, FOLDER/film/NAME.jpg: what all further steps work on.
 Result<> write_film(const Project& project, const Imported& imported) {
   const ImportedFilm& film = *imported.film;
   UnitList list{.stage = "film"};
@@ -45,8 +45,8 @@ Result<> write_film(const Project& project, const Imported& imported) {
     std::error_code error;
     std::filesystem::create_directories(out.parent_path(), error);
     if (error) return fail(Errc::kNotFound, out.parent_path().string() + ": cannot be made: " + error.message());
-    COLLINEA_TRY(write_ideal_picture(std::filesystem::path(project.settings.photos) / image.file,
-                                     film.scans.at(list.units[i].image()).scan_from_film(), film.picture, out, run));
+    COLLINEA_TRY(write_ideal_image(std::filesystem::path(project.settings.photos) / image.file,
+                                   film.scans.at(list.units[i].image()).scan_from_film(), film.ideal, out, run));
     return UnitWorked{};
   };
   COLLINEA_TRY(run_units(project.run, list, {.work = work}));

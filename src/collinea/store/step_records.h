@@ -31,9 +31,10 @@ namespace collinea {
 struct FilmScanRecord {
   std::string image, model;  ///< file; word of FilmModel
   std::uint64_t marks = 0, misread = 0;
-  double rms_um = 0;                        ///< of the residuals of marks, each coordinate, on the film
+  double rms_um = 0;  ///< of the residuals of marks, each coordinate, on the film
   double pixel_um = 0, rotation_deg = 0;
-  std::optional<double> difference_ppm, shear_ppm;  ///< of the film: scale in x over scale in y, less 1; nothing: not told
+  std::optional<double> difference_ppm,
+      shear_ppm;  ///< of the film: scale in x over scale in y, less 1; nothing: not told
 
   template <class Visit>
   static void fields(Visit&& visit) {
@@ -53,9 +54,9 @@ struct FilmScanRecord {
 struct ImportRecord {
   static constexpr std::string_view kStep = "import";
   std::uint64_t images = 0, cameras = 0, positions = 0, control_points = 0, geodetic_observations = 0;
-  std::optional<std::string> crs;  ///< of maps and control; nothing: no map
-  std::vector<FilmScanRecord> film;  ///< of scans of film; their pictures lie in film/
-  std::vector<Finding> skipped;    ///< files that are no images, or of no use: the first subjects, and why
+  std::optional<std::string> crs;    ///< of maps and control; nothing: no map
+  std::vector<FilmScanRecord> film;  ///< of scans of film; their ideal images lie in film/
+  std::vector<Finding> skipped;      ///< files that are no images, or of no use: the first subjects, and why
   std::vector<Finding> findings;
 
   template <class Visit>

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "collinea/base/file.h"
+#include "collinea/base/file_text.h"
 #include "collinea/base/parallel.h"
 #include "collinea/geodesy/refraction.h"
 #include "collinea/io/film_calibration_file.h"
@@ -17,9 +18,12 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kScanQuality = 95;   // of JPEG
-constexpr int kWindowRows = 256;   // of light in work at once
-constexpr int kFiner = 3;          // positions along a side of a pixel at which the frame is drawn
+constexpr int kScanQuality = 95;  // of JPEG
+constexpr int kWindowRows = 256;  // of light in work at once
+constexpr int kFiner = 3;         // positions along a side of a pixel at which the frame is drawn
+// Titles of the columns of the true transformations and marks.
+constexpr FileText kScanColumns = "# image, column, row, rotation, scale_x, scale_y, shear\n";
+constexpr FileText kFiducialColumns = "# image, mark, x, y\n";
 constexpr std::uint64_t kWearStream = 7000, kGrainStream = 8000, kScratchStream = 9000;
 
 Random stream(const Truth& truth, std::uint64_t kind, ImageId image) {
@@ -29,7 +33,7 @@ Random stream(const Truth& truth, std::uint64_t kind, ImageId image) {
 // The usual wide-angle aerial camera: marks in corners and sides, distortion of some um.
 FilmCalibration aerial_calibration(const FilmOptions& film) {
   FilmCalibration c;
-  c.camera = "Collinea synthetic aerial camera 15/23";
+  c.camera = "Synthetic 15/23";
   c.principal_distance_mm = 153.264;
   c.principal_point_mm = {0.012, -0.008};
   c.symmetry_point_mm = c.principal_point_mm;
@@ -37,20 +41,19 @@ FilmCalibration aerial_calibration(const FilmOptions& film) {
   c.size_mm = {230, 230};
   c.mark_size_mm = 1.6;
   c.line_mm = 0.15;
-  c.picture_size_mm = Vector2d(214, 214);
+  c.image_size_mm = Vector2d(214, 214);
   constexpr double kAt = 109.8;
   const Vector2d at[] = {{-kAt, -kAt}, {kAt, kAt}, {-kAt, kAt}, {kAt, -kAt}, {-kAt, 0}, {kAt, 0}, {0, kAt}, {0, -kAt}};
   for (std::size_t i = 0; i < std::size(at); ++i)
-    c.marks.push_back({.name = std::to_string(i + 1),
-                       .film_mm = at[i],
-                       .kind = i < 4 ? film.corner_mark : film.side_mark});
+    c.marks.push_back(
+        {.name = std::to_string(i + 1), .film_mm = at[i], .kind = i < 4 ? film.corner_mark : film.side_mark});
   return c;
 }
 
-// With pixels of that size, of the picture only.
-Camera picture_camera(const FilmCalibration& calibration, double pixel_mm) {
+// With pixels of that size, of the image only.
+Camera image_camera(const FilmCalibration& calibration, double pixel_mm) {
   Camera camera = film_camera(calibration);
-  const Vector2d size = picture_size(calibration) / pixel_mm;
+  const Vector2d size = film_image_size(calibration) / pixel_mm;
   camera.width_px = int(size.x());
   camera.height_px = int(size.y());
   camera.params[Camera::kF] /= pixel_mm;
@@ -69,7 +72,7 @@ void set_bends(Truth& truth, double ground_height_m) {
 }
 
 std::string scans_text(const FilmTruth& film) {
-  std::string text = "# image, column, row, rotation, scale_x, scale_y, shear\n";
+  std::string text = kScanColumns;
   for (const auto& [id, scan] : film.scans) {
     text += film.truth.block.images.at(id).file;
     for (const double value : scan.affine.parameters) text += ", " + exact(value);
@@ -79,7 +82,7 @@ std::string scans_text(const FilmTruth& film) {
 }
 
 std::string fiducials_text(const FilmTruth& film) {
-  std::string text = "# image, mark, x, y\n";
+  std::string text = kFiducialColumns;
   for (const auto& [id, scan] : film.scans)
     for (const CalibratedMark& mark : film.calibration.marks) {
       const Vector2d at = scan.pixel_of(mark.film_mm);
@@ -107,9 +110,10 @@ void finish_light(Raster<Colour>& light, int first_row, const FilmTruth& film, I
       }
       float sum = 0;
       for (int k = 0; k < kFiner * kFiner; ++k)
-        sum += frame_light(calibration,
-                           rays.film_mm(column + (k % kFiner + 0.5) / kFiner - 0.5, line + (k / kFiner + 0.5) / kFiner - 0.5),
-                           image.value + 1);
+        sum += frame_light(
+            calibration,
+            rays.film_mm(column + (k % kFiner + 0.5) / kFiner - 0.5, line + (k / kFiner + 0.5) / kFiner - 0.5),
+            image.value + 1);
       const float mean = sum / (kFiner * kFiner);
       row[x] = {mean, mean, mean};
     }
@@ -138,9 +142,8 @@ Result<FilmTruth> make_film_survey(const SurveyOptions& survey, const FilmOption
   flight.side_overlap = survey.side_overlap.value_or(0.3);
   flight.cross_strips = survey.cross_strips.value_or(0);
   flight.receiver.gps = false;
-  const double margin_mm = 0.5 * (calibration.size_mm - picture_size(calibration)).maxCoeff();
-  COLLINEA_TRY(Truth truth,
-               make_survey(flight, picture_camera(calibration, pixel_mm), margin_mm / pixel_mm, run));
+  const double margin_mm = 0.5 * (calibration.size_mm - film_image_size(calibration)).maxCoeff();
+  COLLINEA_TRY(Truth truth, make_survey(flight, image_camera(calibration, pixel_mm), margin_mm / pixel_mm, run));
   FilmTruth film{std::move(truth), std::move(calibration), pixel_mm, options.wear, {}};
   set_bends(film.truth, survey.site.ground_height_m);
   for (const auto& [id, image] : film.truth.block.images)

@@ -34,8 +34,8 @@ struct FilmOptions {
 
 /// The world with the camera of the film, and what became of each photograph.
 struct FilmTruth {
-  /// The camera has pixels of the scan's size on undeformed film, and the picture of the calibration; measurements of
-  /// control are in such pixels.
+  /// The camera has pixels of the scan's size on undeformed film, and the image size of the calibration; measurements
+  /// of control are in such pixels.
   Truth truth;
   FilmCalibration calibration;
   double pixel_mm = 0;

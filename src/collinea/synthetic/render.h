@@ -9,12 +9,12 @@
 
 namespace collinea {
 
-/// Where the pixels of a picture look.
+/// Where the pixels of an image look.
 class PixelRays {
  public:
   virtual ~PixelRays() = default;
   /// A direction in the camera frame with positive z, of a position `dx`, `dy` [px] off the centre of pixel (column,
-  /// row), both offsets within half a pixel. Zero: the picture shows nothing there.
+  /// row), both offsets within half a pixel. Zero: the image shows nothing there.
   [[nodiscard]] virtual Eigen::Vector3d direction(int column, int row, double dx, double dy) const = 0;
   [[nodiscard]] virtual double focal_px() const = 0;
 };
@@ -34,7 +34,7 @@ class RayTable final : public PixelRays {
   std::vector<float> directions_;
 };
 
-/// Rows of a picture from `first` on.
+/// Rows of an image from `first` on.
 struct RowRange {
   int first = 0, count = 0;
 };

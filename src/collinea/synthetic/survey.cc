@@ -107,8 +107,7 @@ struct Area {
 };
 
 // All ground that any image may show: its corners traced down to a level below all terrain.
-Result<Area> ground_in_view(const Camera& camera, const std::vector<Rigid3>& poses, double level_m,
-                             double margin_m) {
+Result<Area> ground_in_view(const Camera& camera, const std::vector<Rigid3>& poses, double level_m, double margin_m) {
   Area area;
   const double w = camera.width_px, h = camera.height_px;
   for (const Rigid3& pose : poses)

@@ -35,12 +35,13 @@ struct SurveyOptions {
     visit(Field{"images", &O::images, "1", "number of images in all; nothing: what the strips give", 2, 100000});
     visit(Field{"strips", &O::strips, "1", "parallel strips", 1, 1000});
     visit(Field{"images_per_strip", &O::images_per_strip, "1", "images in each strip", 1, 1000});
-    visit(Field{"cross_strips", &O::cross_strips, "1", "strips across the others, flown 15 % higher; nothing: 2, of film 0", 0, 1000});
+    visit(Field{"cross_strips", &O::cross_strips, "1",
+                "strips across the others, flown 15 % higher; nothing: 2, of film 0", 0, 1000});
     visit(Field{"images_per_cross_strip", &O::images_per_cross_strip, "1", "images in each cross strip", 1, 1000});
     visit(Field{"forward_overlap", &O::forward_overlap, "1", "overlap along a strip; nothing: 0.75, of film 0.6", 0.0,
                 0.95});
-    visit(Field{"side_overlap", &O::side_overlap, "1", "overlap of neighbouring strips; nothing: 0.65, of film 0.3", 0.0,
-                0.95});
+    visit(Field{"side_overlap", &O::side_overlap, "1", "overlap of neighbouring strips; nothing: 0.65, of film 0.3",
+                0.0, 0.95});
     visit(Field{"gsd_m", &O::gsd_m, "m", "size of a pixel on the ground; not used when height_m is given", 0.001, 10});
     visit(Field{"height_m", &O::height_m, "m", "flying height above ground; nothing: from gsd_m and the focal length",
                 1, 10000});

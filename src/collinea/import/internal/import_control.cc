@@ -43,11 +43,11 @@ Result<> rotate_covariance(const ControlFilePoint& point, const std::string& crs
   return {};
 }
 
-// What was measured in a scan of film, in the picture that it becomes.
-Eigen::Vector2d in_picture(const Imported& imported, ImageId image, const Eigen::Vector2d& pixel) {
+// What was measured in a scan of film, in the ideal image that it becomes.
+Eigen::Vector2d in_ideal_image(const Imported& imported, ImageId image, const Eigen::Vector2d& pixel) {
   if (!imported.film) return pixel;
   const auto film_mm = imported.film->scans.at(image).scan_from_film().film_of(pixel);
-  return film_mm ? imported.film->picture.pixel_of(*film_mm) : Eigen::Vector2d(-1, -1);
+  return film_mm ? imported.film->ideal.pixel_of(*film_mm) : Eigen::Vector2d(-1, -1);
 }
 
 constexpr std::size_t kFewOutside = 4, kPartOutside = 3;
@@ -93,7 +93,7 @@ Result<> add_control(Imported& imported, const ControlFile& control, const Local
       continue;
     }
     const ControlId point = by_name.at(row.point);
-    const Eigen::Vector2d pixel = in_picture(imported, *image, row.pixel);
+    const Eigen::Vector2d pixel = in_ideal_image(imported, *image, row.pixel);
     const bool is_inside = inside(block.camera_of(*image), pixel);
     (is_inside ? block.control_observations : outside).push_back({point, *image, pixel, row.sigma_px, row.shape});
     if (!is_inside)

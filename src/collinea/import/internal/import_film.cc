@@ -27,12 +27,14 @@ Result<ScanOrientation> orient(const fs::path& path, const MarkSearch& search, c
 Result<MarkSearch> search_of(const fs::path& photos, const std::vector<std::string>& files,
                              const ImportOptions& options) {
   if (options.camera_params)
-    return fail(Errc::kBadInput, "the camera of film is that of its calibration", {"camera_params"_option, "film"_option});
+    return fail(Errc::kBadInput, "the camera of film is that of its calibration",
+                {"camera_params"_option, "film"_option});
   COLLINEA_TRY(const FilmCalibration calibration, read_film_calibration(*options.film));
   std::optional<double> pixel_mm;
   if (options.film_pixel_um) pixel_mm = 1e-3 * *options.film_pixel_um;
   if (calibration.marks.empty())
-    return fail(Errc::kBadInput, options.film->string() + ": no marks, by which scans are oriented: lines mark NAME X Y",
+    return fail(Errc::kBadInput,
+                options.film->string() + ": no marks, by which scans are oriented: lines mark NAME X Y",
                 {"film"_option});
   return mark_search(calibration, pixel_mm, options.film_marks, photos / files.front());
 }
@@ -41,8 +43,8 @@ Result<MarkSearch> search_of(const fs::path& photos, const std::vector<std::stri
 
 ImageHeader FilmFolder::header() const {
   ImageHeader header;
-  header.width_px = picture.camera.width_px;
-  header.height_px = picture.camera.height_px;
+  header.width_px = ideal.camera.width_px;
+  header.height_px = ideal.camera.height_px;
   return header;
 }
 
@@ -72,7 +74,7 @@ Result<FilmFolder> film_folder(const fs::path& photos, const std::vector<std::st
                                                   photos.string(), files.size(), files.front()))
                               .about("film"_option));
   }
-  folder.picture = ideal_picture(search.calibration, median(sizes_mm));
+  folder.ideal = ideal_image(search.calibration, median(sizes_mm));
   for (std::size_t i = 0; i < files.size(); ++i) folder.scans.emplace(files[i], std::move(oriented[i]));
   return folder;
 }

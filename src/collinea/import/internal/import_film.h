@@ -13,14 +13,14 @@ namespace collinea {
 
 /// A folder of scans of film from one camera.
 struct FilmFolder {
-  IdealPicture picture;
+  IdealImage ideal;
   std::map<std::string, Result<ScanOrientation>> scans;  ///< by file; or why there is none
 
-  /// As that of a photograph with the size of the picture.
+  /// As that of a photograph with the size of the ideal image.
   [[nodiscard]] ImageHeader header() const;
 };
 
-/// Finds the marks of every scan and orients it; the picture has pixels of the scans' size (the median). Errors: the
+/// Finds the marks of every scan and orients it; the ideal image has pixels of the scans' size (the median). Errors: the
 /// calibration, options that contradict it, no scan with marks.
 [[nodiscard]] Result<FilmFolder> film_folder(const std::filesystem::path& photos, const std::vector<std::string>& files,
                                              const ImportOptions& options, const Run& run);

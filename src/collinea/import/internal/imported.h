@@ -10,7 +10,7 @@
 #include "collinea/base/finding.h"
 #include "collinea/base/options.h"
 #include "collinea/block/block.h"
-#include "collinea/film/ideal_picture.h"
+#include "collinea/film/ideal_image.h"
 #include "collinea/film/scan_orientation.h"
 #include "collinea/geodesy/heights.h"
 
@@ -67,10 +67,11 @@ struct ImportOptions {
     visit(Field{"camera_params", &O::camera_params, "px",
                 "known camera for all images, fixed: fx,fy,cx,cy[,k1,k2,k3,p1,p2], of kannala_brandt "
                 "fx,fy,cx,cy[,k1,k2,k3,k4]; centre of the first pixel is 0.5"});
-    visit(Field{"film", &O::film, "",
-                "calibration of a film camera: the photographs are scans of its film. Their marks are found, and each is "
-                "brought to the ideal picture of the camera; control is measured in pixels of the scans"}
-              .leads_to(PathKind::kFile));
+    visit(
+        Field{"film", &O::film, "",
+              "calibration of a film camera: the photographs are scans of its film. Their marks are found, and each is "
+              "brought to the ideal image of the camera; control is measured in pixels of the scans"}
+            .leads_to(PathKind::kFile));
     visit(Field{"film_pixel_um", &O::film_pixel_um, "um",
                 "size of a pixel of the scans, by which marks are looked for; nothing: the film fills the scan", 0.1,
                 1000});
@@ -88,9 +89,9 @@ struct ImportOptions {
 /// Relative standard deviation of a focal length from the header of an image: EXIF rounds to whole millimetres.
 inline constexpr double kExifFocalSigma = 0.05;
 
-/// Scans of film, their interior orientations and the picture that all are brought to.
+/// Scans of film, their interior orientations and the ideal image that all are brought to.
 struct ImportedFilm {
-  IdealPicture picture;
+  IdealImage ideal;
   std::map<ImageId, ScanOrientation> scans;
 };
 

@@ -61,10 +61,11 @@ std::string words_of_given(const FindingWords& w) {
     case C::kScanNotOriented:
       return "Image " + w.subject(0) + " is skipped: " + reason_of(w.finding, w.block) + ".";
     case C::kScanMarksDisagree:
-      return fmt::format("Scan {}: its {} fiducial marks miss the calibration by {:.2f} px in the root mean square{}. Its "
-                         "image coordinates may be off by as much.",
-                         w.subject(0), w.whole(F::kOf), w[F::kOffsetPx],
-                         w[F::kCount] > 0 ? fmt::format(", and {} left out as misread", w.whole(F::kCount)) : "");
+      return fmt::format(
+          "Scan {}: its {} fiducial marks miss the calibration by {:.2f} px in the root mean square{}. Its "
+          "image coordinates may be off by as much.",
+          w.subject(0), w.whole(F::kOf), w[F::kOffsetPx],
+          w[F::kCount] > 0 ? fmt::format(", and {} left out as misread", w.whole(F::kCount)) : "");
     case C::kFolderUnreadable:
       return "Folder " + w.subject(0) + " is skipped: " + reason_of(w.finding, w.block) + ".";
     default:

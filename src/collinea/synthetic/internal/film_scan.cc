@@ -18,12 +18,12 @@ using Eigen::Vector4d;
 
 constexpr int kLattice = 16;         // px
 constexpr double kBed_mm = 1;        // of the scanner that shows round the film
-constexpr double kFrame_mm = 3;      // dark frame of the film round the picture
-constexpr double kPatch_sizes = 1.5;  // half the dark ground of a mark, in sizes of the mark
+constexpr double kFrame_mm = 3;      // dark frame of the film round the image
+constexpr double kPatchSizes = 1.5;  // half the dark ground of a mark, in sizes of the mark
 constexpr float kBedLight = 0.85F, kFrameLight = 0.004F, kMarkLight = 0.7F;
 
 bool is_on_patch(const FilmCalibration& calibration, const Vector2d& film_mm) {
-  const double half = kPatch_sizes * calibration.mark_size_mm;
+  const double half = kPatchSizes * calibration.mark_size_mm;
   for (const CalibratedMark& mark : calibration.marks)
     if ((film_mm - mark.film_mm).cwiseAbs().maxCoeff() < half) return true;
   return false;
@@ -111,14 +111,14 @@ float frame_light(const FilmCalibration& calibration, const Vector2d& film_mm, s
   if (std::abs(film_mm.x()) > half.x() || std::abs(film_mm.y()) > half.y()) return kBedLight;
   for (const CalibratedMark& mark : calibration.marks) {
     const Vector2d offset = film_mm - mark.film_mm;
-    if (offset.cwiseAbs().maxCoeff() > kPatch_sizes * calibration.mark_size_mm) continue;
+    if (offset.cwiseAbs().maxCoeff() > kPatchSizes * calibration.mark_size_mm) continue;
     const double axis = mark_axis_rad(mark), c = std::cos(axis), s = std::sin(axis);
     const double x = offset.x(), y = -offset.y();  // y down, as scans have it
-    return kFrameLight + kMarkLight * float(mark_brightness(mark.kind.value_or(MarkKind::kCross), c * x + s * y,
-                                                            -s * x + c * y, calibration.mark_size_mm,
-                                                            calibration.line_mm));
+    return kFrameLight +
+           kMarkLight * float(mark_brightness(mark.kind.value_or(MarkKind::kCross), c * x + s * y, -s * x + c * y,
+                                              calibration.mark_size_mm, calibration.line_mm));
   }
-  // The data strip: cells of 0.4 mm between picture and left edge, bright where a number of the photograph says so.
+  // The data strip: cells of 0.4 mm between image and left edge, bright where a number of the photograph says so.
   const bool is_strip = film_mm.x() < -half.x() + 0.8 * kFrame_mm && film_mm.x() > -half.x() + 0.2 * kFrame_mm;
   if (is_strip && std::abs(film_mm.y()) < 0.3 * half.y() &&
       lattice_uniform(floor_int(film_mm.x() / 0.4), floor_int(film_mm.y() / 0.4), seed) < 0.4F)

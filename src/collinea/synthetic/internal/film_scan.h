@@ -30,8 +30,8 @@ struct ScanWear {
     visit(Field{"film_shear_ppm", &O::film_shear_ppm, "ppm", "standard deviation of its shear", 0, 5000});
     visit(Field{"film_local_um", &O::film_local_um, "um",
                 "standard deviation of local deformation, smooth over some centimetres, of each coordinate", 0, 200});
-    visit(Field{"scan_turn_deg", &O::scan_turn_deg, "deg", "standard deviation of the film's turn on the scanner", 0,
-                2});
+    visit(
+        Field{"scan_turn_deg", &O::scan_turn_deg, "deg", "standard deviation of the film's turn on the scanner", 0, 2});
     visit(Field{"grain_grey", &O::grain_grey, "grey", "standard deviation of the grain in middle grey", 0, 50});
     visit(Field{"scratches", &O::scratches, "1", "scratches of a scan", 0, 1000});
     visit(Field{"dust", &O::dust, "1", "grains of dust on a scan", 0, 10000});

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/film/ideal_image.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "collinea/base/parallel.h"
+#include "collinea/raster/cubic.h"
+#include "collinea/raster/image_file.h"
+
+namespace collinea {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr int kLatticePx = 32;
+constexpr int kImageQuality = 98;  // of JPEG: steps of a grey value or two
+
+// Where the corners of the cells of a lattice over the ideal lie in the scan.
+class ScanLattice {
+ public:
+  ScanLattice(const FilmTransformation& scan_from_film, const IdealImage& ideal, const Run& run)
+      : columns_(ideal.camera.width_px / kLatticePx + 2),
+        nodes_(std::size_t(columns_) * std::size_t(ideal.camera.height_px / kLatticePx + 2)) {
+    parallel_for(run, nodes_.size() / std::size_t(columns_), [&](std::size_t j) {
+      for (int i = 0; i < columns_; ++i)
+        nodes_[j * std::size_t(columns_) + std::size_t(i)] =
+            scan_from_film.pixel_of(ideal.film_of(double(kLatticePx) * Vector2d(i, double(j))));
+    });
+  }
+
+  // Positions of the middles of the pixels of a row.
+  void positions(int row, std::vector<Vector2d>& out) const {
+    const double v = (row + 0.5) / kLatticePx, b = v - int(v);
+    const Vector2d* const above = nodes_.data() + std::size_t(int(v)) * std::size_t(columns_);
+    const Vector2d* const below = above + columns_;
+    for (std::size_t x = 0; x < out.size(); ++x) {
+      const double u = (double(x) + 0.5) / kLatticePx, a = u - int(u);
+      const int i = int(u);
+      out[x] = (1 - b) * ((1 - a) * above[i] + a * above[i + 1]) + b * ((1 - a) * below[i] + a * below[i + 1]);
+    }
+  }
+
+ private:
+  int columns_;
+  std::vector<Vector2d> nodes_;
+};
+
+template <int kChannels>
+void resample_row(const Raster<std::uint8_t>& scan, const std::vector<Vector2d>& at, std::uint8_t* out) {
+  for (const Vector2d& pixel : at)
+    for (int c = 0; c < kChannels; ++c)
+      *out++ = cubic<kChannels>(scan, float(pixel.x() - 0.5), float(pixel.y() - 0.5), c);
+}
+
+}  // namespace
+
+Vector2d IdealImage::pixel_of(const Vector2d& film_mm) const {
+  const Vector2d at = corrected_mm(calibration, film_mm) / pixel_mm;
+  return {camera.params[Camera::kCx] + at.x(), camera.params[Camera::kCy] - at.y()};
+}
+
+Vector2d IdealImage::film_of(const Vector2d& pixel) const {
+  return distorted_mm(
+      calibration, pixel_mm * Vector2d(pixel.x() - camera.params[Camera::kCx], camera.params[Camera::kCy] - pixel.y()));
+}
+
+IdealImage ideal_image(const FilmCalibration& calibration, double pixel_mm) {
+  const Vector2d size = film_image_size(calibration) / pixel_mm;
+  IdealImage ideal{calibration, pixel_mm,
+                   ideal_camera(calibration.principal_distance_mm / pixel_mm, int(size.x()), int(size.y()))};
+  auto& params = ideal.camera.params;
+  params[Camera::kCx] = ideal.camera.width_px / 2.0 + calibration.principal_point_mm.x() / pixel_mm;
+  params[Camera::kCy] = ideal.camera.height_px / 2.0 - calibration.principal_point_mm.y() / pixel_mm;
+  ideal.camera.name = calibration.camera.empty() ? "film camera" : calibration.camera;
+  ideal.camera.prior.calibrate = false;
+  ideal.camera.prior.source = Provenance::kGiven;
+  return ideal;
+}
+
+Raster<std::uint8_t> resampled_scan(const Raster<std::uint8_t>& scan, const FilmTransformation& scan_from_film,
+                                    const IdealImage& ideal, const Run& run) {
+  Raster<std::uint8_t> out(ideal.camera.width_px, ideal.camera.height_px, scan.channels);
+  const ScanLattice lattice(scan_from_film, ideal, run);
+  parallel_for(run, std::size_t(out.height), [&](std::size_t row) {
+    thread_local std::vector<Vector2d> at;
+    at.resize(std::size_t(out.width));
+    lattice.positions(int(row), at);
+    (scan.channels == 1 ? resample_row<1> : resample_row<3>)(scan, at, out.row(int(row)));
+  });
+  return out;
+}
+
+Result<> write_ideal_image(const std::filesystem::path& scan, const FilmTransformation& scan_from_film,
+                           const IdealImage& ideal, const std::filesystem::path& out, const Run& run) {
+  COLLINEA_TRY(const int channels, channels_of(scan));
+  COLLINEA_TRY(const Raster<std::uint8_t> pixels, channels == 1 ? read_grey(scan) : read_colour(scan));
+  return write_jpeg(out, resampled_scan(pixels, scan_from_film, ideal, run), kImageQuality);
+}
+
+std::string ideal_image_name(const std::string& scan) {
+  const std::filesystem::path path(scan);
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension == ".jpg" || extension == ".jpeg" ? scan : scan + ".jpg";
+}
+
+}  // namespace collinea
