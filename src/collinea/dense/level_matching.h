@@ -25,6 +25,8 @@ struct LevelOptions {
   int grid_template_px = 13;
   double min_entropy = 4;
 
+  friend bool operator==(const LevelOptions&, const LevelOptions&) = default;
+
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = LevelOptions;

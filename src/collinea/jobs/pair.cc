@@ -13,6 +13,7 @@
 #include "collinea/epipolar/intersect.h"
 #include "collinea/io/text.h"
 #include "collinea/jobs/internal/out_folder.h"
+#include "collinea/jobs/internal/pair_map.h"
 #include "collinea/jobs/internal/pair_steps.h"
 #include "collinea/math/median.h"
 #include "collinea/raster/image_file.h"
@@ -127,16 +128,15 @@ Result<> orient_absolutely(const fs::path& file, const PairImages& images, const
   right_from_left.translation *= cameras.base_m;
   std::vector<AbsoluteControl> pairs;
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
-    const std::array<SightLine, 2> lines = {SightLine{&images.left_camera,
-                                                      {},
-                                                      Eigen::Vector2d(pixels[0][i], pixels[1][i]) / images.shrink,
-                                                      sigma_px / images.shrink,
-                                                      {}},
-                                            SightLine{&images.right_camera,
-                                                      right_from_left,
-                                                      Eigen::Vector2d(pixels[2][i], pixels[3][i]) / images.shrink,
-                                                      sigma_px / images.shrink,
-                                                      {}}};
+    Eigen::Vector2d in_left(pixels[0][i], pixels[1][i]), in_right(pixels[2][i], pixels[3][i]);
+    if (images.film) {
+      in_left = images.film->in_left(in_left).value_or(in_left);
+      in_right = images.film->in_right(in_right).value_or(in_right);
+    }
+    const double sigma = sigma_px / images.shrink;
+    const std::array<SightLine, 2> lines = {
+        SightLine{&images.left_camera, {}, in_left / images.shrink, sigma, {}},
+        SightLine{&images.right_camera, right_from_left, in_right / images.shrink, sigma, {}}};
     const auto met = intersect(lines);
     if (!met)
       return fail(Errc::kIllPosed, fmt::format("{}: the rays of point {} do not meet in front of the cameras",
@@ -188,9 +188,9 @@ ColourImage check_of(const EpipolarImages& images) {
   return check;
 }
 
-Result<std::size_t> write_cloud(const fs::path& folder, const EpipolarImages& images,
-                                const std::vector<LevelPoint>& points,
-                                const std::optional<AbsoluteOrientation>& absolute) {
+// In the frame of the left camera, or with absolute orientation on the ground.
+std::vector<CloudPoint> cloud_of(const EpipolarImages& images, const std::vector<LevelPoint>& points,
+                                 const std::optional<AbsoluteOrientation>& absolute) {
   std::vector<CloudPoint> cloud;
   for (const LevelPoint& point : points) {
     CloudPoint made;
@@ -208,12 +208,37 @@ Result<std::size_t> write_cloud(const fs::path& folder, const EpipolarImages& im
     made.images = 2;
     cloud.push_back(made);
   }
+  return cloud;
+}
+
+Result<> write_cloud(const fs::path& folder, const std::vector<CloudPoint>& cloud, bool is_on_ground) {
   COLLINEA_TRY(PlyWriter writer,
                PlyWriter::create(folder / "cloud.ply",
-                                 absolute ? std::string(kPairCloudComment) : std::string(kLeftCameraCloudComment)));
+                                 is_on_ground ? std::string(kPairCloudComment) : std::string(kLeftCameraCloudComment)));
   writer.write(cloud);
-  COLLINEA_TRY(writer.finish());
-  return cloud.size();
+  return writer.finish();
+}
+
+// Surface model and orthophoto: on the ground, or without control in the frame of the left camera with z towards it,
+// once the base is in metres.
+Result<std::optional<PairMap>> map_of(const PairImages& images, const EpipolarPair& cameras,
+                                      const RelativeOrientation& orientation, const PairReport& report,
+                                      std::vector<CloudPoint> cloud, std::optional<double> cell_m,
+                                      const fs::path& folder, const Run& run) {
+  if (!report.absolute && !report.has_base) return std::optional<PairMap>();
+  Similarity3 ground_from_model{.rotation = Eigen::Quaterniond(0, 1, 0, 0)};  // half a turn about x
+  if (report.absolute) ground_from_model = report.absolute->ground_from_model;
+  Rigid3 right_from_left = orientation.second_from_first;
+  right_from_left.translation *= cameras.base_m;
+  const MappedPair pair{images.files,
+                        images.file_cameras,
+                        {moved(Rigid3{}, ground_from_model), moved(right_from_left, ground_from_model)}};
+  std::vector<double> sizes_m;
+  for (CloudPoint& point : cloud) {
+    if (!report.absolute) point.position = ground_from_model * point.position;
+    sizes_m.push_back((pair.cam_from_ground[0] * point.position).z() / images.left_camera.focal_px());
+  }
+  return map_pair(pair, cloud, sizes_m.empty() ? 1 : median(sizes_m), cell_m, folder, run);
 }
 
 void describe_points(const EpipolarImages& images, const std::vector<LevelPoint>& points, PairReport& report) {
@@ -235,12 +260,18 @@ void describe_points(const EpipolarImages& images, const std::vector<LevelPoint>
 Result<PairReport> orient_and_match(const fs::path& left, const fs::path& right, const fs::path& folder,
                                     const PairChainOptions& options, const Run& run) {
   COLLINEA_TRY(validate(options));
-  COLLINEA_TRY(const PairImages images, read_pair(left, right, options));
+  if (options.surface == PairSurface::kDense && options.levels != LevelOptions{})
+    return fail(Errc::kBadInput, "options of the levels say nothing of the dense surface", {"surface"_option});
+  COLLINEA_TRY(make_out_folder(folder));
+  COLLINEA_TRY(const PairImages images, read_pair(left, right, folder, options, run));
   PairReport report{.left_width_px = images.left.width,
                     .left_height_px = images.left.height,
                     .shrink = images.shrink,
                     .surface = options.surface,
                     .has_base = options.base_m.has_value()};
+  if (images.film)
+    for (const ScanOrientation* scan : {&images.film->left, &images.film->right})
+      report.scans.push_back({scan->marks, scan->misread(), 1e3 * scan->rms_mm(), 1e3 * scan->pixel_mm()});
   COLLINEA_TRY(PairPoints found, find_pair_points(images.left, images.right, options.points, run));
   report.search = found.stages;
   std::vector<MatchedPoint> points = std::move(found.points);
@@ -262,12 +293,15 @@ Result<PairReport> orient_and_match(const fs::path& left, const fs::path& right,
     COLLINEA_TRY(
         orient_absolutely(*options.control, images, epipolar.cameras, orientation, options.control_sigma_px, report));
   }
-  COLLINEA_TRY(make_out_folder(folder));
   COLLINEA_TRY(write_file(folder / "points.txt", text_of(point_table(points, orientation, images.shrink))));
   COLLINEA_TRY(write_png(folder / "epipolar_left.png", epipolar.left));
   COLLINEA_TRY(write_png(folder / "epipolar_right.png", epipolar.right));
   COLLINEA_TRY(write_png(folder / "epipolar_check.png", check_of(epipolar)));
-  COLLINEA_TRY(report.surface_points, write_cloud(folder, epipolar, surface, report.absolute));
+  std::vector<CloudPoint> cloud = cloud_of(epipolar, surface, report.absolute);
+  report.surface_points = cloud.size();
+  COLLINEA_TRY(write_cloud(folder, cloud, report.absolute.has_value()));
+  COLLINEA_TRY(report.map,
+               map_of(images, epipolar.cameras, orientation, report, std::move(cloud), options.cell_m, folder, run));
   COLLINEA_TRY(write_file(folder / "pair.txt", pair_text(report)));
   return report;
 }

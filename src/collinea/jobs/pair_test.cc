@@ -13,8 +13,11 @@
 #include "collinea/geometry/rotation.h"
 #include "collinea/jobs/evaluate.h"
 #include "collinea/jobs/grid_points.h"
+#include "collinea/math/median.h"
 #include "collinea/math/random.h"
+#include "collinea/raster/geotiff.h"
 #include "collinea/raster/image_file.h"
+#include "collinea/synthetic/film.h"
 #include "collinea/synthetic/write.h"
 
 namespace collinea {
@@ -26,6 +29,7 @@ constexpr double kFocal_px = 600;
 struct VillagePair {
   TestFolder folder;
   Block truth;
+  std::optional<Scene> scene;
   std::filesystem::path left, right;
 
   VillagePair() {
@@ -43,6 +47,7 @@ struct VillagePair {
     const auto survey = make_survey(options);
     EXPECT_TRUE(survey);
     truth = survey->block;
+    scene = survey->scene;
     std::filesystem::create_directories(folder / "images");
     EXPECT_TRUE(write_images(*survey, folder / "images", {.threads = 2}));
     auto image = truth.images.begin();
@@ -120,6 +125,85 @@ TEST(Pair, TheDenseSurfaceHasMorePointsOnTheSameOrientation) {
   std::size_t near = 0;
   for (const CloudPoint& point : *cloud) near += point.position.z() > 40 && point.position.z() < 70;
   EXPECT_GT(double(near) / double(cloud->size()), 0.99);
+}
+
+// Heights of the map at its middle part beside those of the truth.
+TEST(Pair, ControlMakesItAMap) {
+  const VillagePair village;
+  PairChainOptions options;
+  options.principal_distance_px = kFocal_px;
+  options.surface = PairSurface::kDense;
+  ASSERT_TRUE(write_file(village.folder / "control.txt", village.control_table()));
+  options.control = village.folder / "control.txt";
+  options.cell_m = 0.2;
+  const auto report = orient_and_match(village.left, village.right, village.folder / "pair", options, {.threads = 2});
+  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_TRUE(report->map);
+  EXPECT_EQ(report->map->cell_m, 0.2);
+  EXPECT_GT(report->map->painted_cells, 20'000u);
+  const auto dsm = GeoTiffReader::open(village.folder / "pair/dsm.tif");
+  const auto ortho = GeoTiffReader::open(village.folder / "pair/ortho.tif");
+  ASSERT_TRUE(dsm && ortho);
+  EXPECT_EQ(ortho->channels(), 4);
+  const Eigen::Vector3d middle = (centre_of(village.pose(0)) + centre_of(village.pose(1))) / 2;
+  const MapGrid& grid = dsm->grid();
+  const auto heights = dsm->read_known(0, 0, grid.width, grid.height);
+  ASSERT_TRUE(heights);
+  std::vector<double> errors;
+  for (int row = 0; row < grid.height; ++row)
+    for (int column = 0; column < grid.width; ++column) {
+      const double x = grid.east_of(column + 0.5), y = grid.north_of(row + 0.5);
+      if (std::hypot(x - middle.x(), y - middle.y()) > 12 || std::isnan(heights->at(column, row))) continue;
+      errors.push_back(heights->at(column, row) - village.scene->surface_height(x, y));
+    }
+  ASSERT_GT(errors.size(), 5000u);
+  EXPECT_NEAR(median(errors), 0, 0.15);  // cells of 0.2 m, pixels of 0.1 m, base over height 1/2
+  for (double& error : errors) error = std::abs(error);
+  EXPECT_LT(median(errors), 0.15);
+  for (const char* file : {"dsm_sigma.tif", "dsm_state.tif", "dsm_hillshade.tif", "ortho_source.tif"})
+    EXPECT_TRUE(is_there(village.folder / "pair" / file)) << file;
+}
+
+TEST(Pair, ScansOfFilmBecomeAMap) {
+  const TestFolder folder;
+  SurveyOptions flight;
+  flight.strips = 1;
+  flight.images_per_strip = 2;
+  flight.control_points = 6;
+  flight.check_points = 0;
+  flight.measurement_sigma_px = 0;
+  FilmOptions film;
+  film.scan_um = 120;
+  ASSERT_TRUE(simulate(flight, film, folder / "block", {.threads = 2}));
+  const FilmTruth truth = *make_film_survey(flight, film, {});
+  std::string table =
+      "point X[m] Y[m] Z[m] sigma_X[m] sigma_Y[m] sigma_Z[m] x_left[px] y_left[px] x_right[px] y_right[px]\n";
+  for (const auto& [id, mark] : truth.truth.marks_in_world) {
+    Eigen::Vector2d at[2];
+    for (const ControlObservation& seen : truth.truth.block.control_observations)
+      if (seen.point == id) at[seen.image.value] = scan_pixel_of(truth, seen.image, seen.pixel);
+    table += fmt::format("C{} {} {} {} 0.01 0.01 0.01 {} {} {} {}\n", id.value, mark.x(), mark.y(), mark.z(), at[0].x(),
+                         at[0].y(), at[1].x(), at[1].y());
+  }
+  ASSERT_TRUE(write_file(folder / "control.txt", table));
+  PairChainOptions options;
+  options.film = folder / "block/film_calibration.txt";
+  options.control = folder / "control.txt";
+  options.surface = PairSurface::kDense;
+  const auto left = folder / "block/images/IMG_0001.jpg", right = folder / "block/images/IMG_0002.jpg";
+  const auto report = orient_and_match(left, right, folder / "pair", options, {.threads = 2});
+  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_EQ(report->scans.size(), 2u);
+  EXPECT_EQ(report->scans[0].marks, 8u);
+  EXPECT_LT(report->scans[1].rms_um, 15);
+  ASSERT_TRUE(report->absolute && report->map);
+  EXPECT_LT(report->absolute->sigma0, 2);
+  // A pixel is 0.96 m on the ground: poses are known to some of them over a camera 1226 m high.
+  const Similarity3& ground_from_model = report->absolute->ground_from_model;
+  const Eigen::Vector3d centre = centre_of(pose_of(truth.truth.block, ImageId{0}));
+  EXPECT_LT((ground_from_model.translation - centre).norm(), 2);
+  options.principal_distance_px = 1000;
+  EXPECT_FALSE(orient_and_match(left, right, folder / "pair", options, {}));
 }
 
 TEST(Pair, SaysWhatIsMissingOrWrong) {

@@ -23,6 +23,39 @@ std::string search_text(const PairReport& report) {
   return text;
 }
 
+// The base by its components over the largest one, which is 1.
+std::string base_text(const RelativeOrientation& orientation) {
+  const Eigen::Vector3d base = base_in_first(orientation.second_from_first);
+  Eigen::Index unit = 0;
+  base.cwiseAbs().maxCoeff(&unit);
+  const Eigen::Matrix<double, 3, 2> tangents = tangents_of(base);
+  const Eigen::Matrix3d covariance =
+      tangents * orientation.stated_covariance().bottomRightCorner<2, 2>() * tangents.transpose();
+  const char* const names[] = {"bx", "by", "bz"};
+  std::string text;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    if (i == unit) {
+      if (unit != 0) text += fmt::format("  {:<6} {:>11.5f}\n", names[i], base[i] < 0 ? -1.0 : 1.0);
+      continue;
+    }
+    Eigen::Vector3d by = Eigen::Vector3d::Unit(i) / std::abs(base[unit]);
+    by[unit] = -base[i] / (base[unit] * std::abs(base[unit]));
+    text += fmt::format("  {:<6} {:>11.5f} +- {:.5f}\n", names[i], base[i] / std::abs(base[unit]),
+                        std::sqrt(by.dot(covariance * by)));
+  }
+  return text;
+}
+
+std::string map_text(const PairMap& map) {
+  const double cells = double(map.width) * map.height;
+  return fmt::format(
+      "surface model and orthophoto: {} x {} cells of {:.4g} m, {:.0f} % measured, {:.0f} % interpolated, {:.0f} % "
+      "painted; "
+      "sigma of measured heights by matching {:.3f} m\n",
+      map.width, map.height, map.cell_m, 100 * double(map.measured_cells) / cells,
+      100 * double(map.interpolated_cells) / cells, 100 * double(map.painted_cells) / cells, map.mean_sigma_m);
+}
+
 std::string orientation_text(const PairOrientation& of) {
   std::string text = fmt::format("relative orientation by {}: {} points, {} rejected, sigma0 {:.3f} px\n", of.by,
                                  of.points, of.rejected, of.sigma0_px);
@@ -32,7 +65,8 @@ std::string orientation_text(const PairOrientation& of) {
   const Matrix5 covariance = by * of.orientation.stated_covariance() * by.transpose();
   const Vector5 values = elements->values();
   const char* const names[] = {"by", "bz", "omega", "phi", "kappa"};
-  for (int i = 0; i < 5; ++i) {
+  text += base_text(of.orientation);
+  for (int i = 2; i < 5; ++i) {
     const double unit = i < 2 ? 1 : kDegree;
     text += fmt::format("  {:<6} {:>11.5f} +- {:.5f}{}\n", names[i], values[i] / unit,
                         std::sqrt(covariance(i, i)) / unit, i < 2 ? "" : " deg");
@@ -75,6 +109,10 @@ std::string absolute_text(const PairReport& report) {
 std::string pair_text(const PairReport& report) {
   std::string text = fmt::format("images worked on at 1/{} of their size, {} x {} px\n", report.shrink,
                                  report.left_width_px, report.left_height_px);
+  for (std::size_t i = 0; i < report.scans.size(); ++i)
+    text += fmt::format("{} scan: {} fiducial marks, {} misread, {:.1f} um RMS, pixel {:.3f} um\n",
+                        i == 0 ? "left" : "right", report.scans[i].marks, report.scans[i].misread,
+                        report.scans[i].rms_um, report.scans[i].pixel_um);
   text += search_text(report);
   for (const PairOrientation& orientation : report.orientations) text += orientation_text(orientation);
   text += fmt::format(
@@ -85,6 +123,7 @@ std::string pair_text(const PairReport& report) {
       report.epipolar.right.height_px, report.epipolar.left.focal_px(), report.y_parallax_rms_px, report.row_sigma_px);
   text += surface_text(report);
   if (report.absolute) text += absolute_text(report);
+  if (report.map) text += map_text(*report.map);
   return text;
 }
 

@@ -30,10 +30,25 @@ struct PairOrientation {
   double sigma0_px = 0;
 };
 
+/// The interior orientation of a scan of film.
+struct PairScan {
+  std::size_t marks = 0, misread = 0;
+  double rms_um = 0, pixel_um = 0;  ///< of the residuals of marks on the film; size of a pixel
+};
+
+/// Surface model and orthophoto.
+struct PairMap {
+  double cell_m = 0;
+  int width = 0, height = 0;
+  std::uint64_t measured_cells = 0, interpolated_cells = 0, painted_cells = 0;
+  double mean_sigma_m = 0;  ///< of measured heights, by matching
+};
+
 /// What was done with a pair, stage by stage.
 struct PairReport {
   int left_width_px = 0, left_height_px = 0;  ///< of the images as they were worked on
   int shrink = 1;                             ///< against the files
+  std::vector<PairScan> scans;                ///< left and right; empty when the images are not of film
   std::vector<PairPointStage> search;
   std::vector<PairOrientation> orientations;
   EpipolarPair epipolar;
@@ -47,6 +62,7 @@ struct PairReport {
   bool has_base = false;       ///< the base is in metres
   std::optional<AbsoluteOrientation> absolute;
   std::vector<std::string> control_names;
+  std::optional<PairMap> map;
 };
 
 /// For a terminal and as a file.

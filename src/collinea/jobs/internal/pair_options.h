@@ -9,6 +9,7 @@
 #include "collinea/dense/depth_map.h"
 #include "collinea/dense/level_matching.h"
 #include "collinea/epipolar/relative_orientation.h"
+#include "collinea/film/scan_marks.h"
 #include "collinea/match/pair_points.h"
 #include "collinea/report/pair_report.h"
 
@@ -16,10 +17,14 @@ namespace collinea {
 
 /// How two images become a surface.
 struct PairChainOptions {
+  std::optional<std::filesystem::path> film;
+  std::optional<double> film_pixel_um;
+  ScanMarkOptions film_marks;
   std::optional<double> principal_distance_px;
   std::optional<std::string> principal_point_px;
   std::optional<Resolution> resolution;
   std::optional<double> base_m;
+  std::optional<double> cell_m;
   std::optional<std::filesystem::path> control;
   double control_sigma_px = 0.5;
   bool refine = true;
@@ -31,12 +36,24 @@ struct PairChainOptions {
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = PairChainOptions;
+    visit(Field{"film", &O::film, "",
+                "calibration of a film camera: both images are scans of its film. Their marks are found, and each is "
+                "brought to the ideal image of the camera; control is measured in pixels of the scans"}
+              .leads_to(PathKind::kFile));
+    visit(Field{"film_pixel_um", &O::film_pixel_um, "um",
+                "size of a pixel of the scans, by which marks are looked for; nothing: the film fills the scan", 0.1,
+                1000});
+    visit(Part{&O::film_marks});
     visit(Field{"principal_distance_px", &O::principal_distance_px, "px", "of both images, as large as their files", 1,
                 1e7});
     visit(Field{"principal_point_px", &O::principal_point_px, "px", "column,row; nothing: the middle of the image"});
     visit(Field{"resolution", &O::resolution, "",
                 "at which the images are worked on; nothing: the largest with at most 16 million pixels"});
     visit(Field{"base_m", &O::base_m, "m", "distance of the projection centres, for the scale", 1e-6, 1e9});
+    visit(Field{"cell_m", &O::cell_m, "m",
+                "cell of surface model and orthophoto; nothing: the larger of the ground size of a pixel and the mean "
+                "distance of points",
+                1e-6});
     visit(Field{"control", &O::control, "",
                 "text table: point X Y Z (- where not known), sigma_X sigma_Y sigma_Z [m], x_left y_left x_right "
                 "y_right [px], for the absolute orientation"}

@@ -43,12 +43,22 @@ Result<Camera> camera_of(const fs::path& file, const PairChainOptions& options) 
 
 }  // namespace
 
-Result<PairImages> read_pair(const fs::path& left, const fs::path& right, const PairChainOptions& options) {
-  if (!options.principal_distance_px)
-    return fail(Errc::kBadInput, "nothing says the principal distance of the images", {"principal_distance_px"_option});
-  COLLINEA_TRY(const Camera left_camera, camera_of(left, options));
-  COLLINEA_TRY(const Camera right_camera, camera_of(right, options));
+Result<PairImages> read_pair(const fs::path& left, const fs::path& right, const fs::path& folder,
+                             const PairChainOptions& options, const Run& run) {
   PairImages images;
+  if (options.film) {
+    COLLINEA_TRY(images.film, pair_film(left, right, folder, options, run));
+    images.files = {images.film->left_file, images.film->right_file};
+    images.file_cameras.fill(images.film->ideal.camera);
+  } else {
+    if (!options.principal_distance_px)
+      return fail(Errc::kBadInput, "nothing says the principal distance of the images",
+                  {"principal_distance_px"_option, "film"_option});
+    images.files = {left, right};
+    COLLINEA_TRY(images.file_cameras[0], camera_of(left, options));
+    COLLINEA_TRY(images.file_cameras[1], camera_of(right, options));
+  }
+  const auto& [left_camera, right_camera] = images.file_cameras;
   if (options.resolution) {
     images.shrink = static_cast<int>(*options.resolution);
   } else {
@@ -58,9 +68,9 @@ Result<PairImages> read_pair(const fs::path& left, const fs::path& right, const 
   }
   images.left_camera = shrunk(left_camera, images.shrink);
   images.right_camera = shrunk(right_camera, images.shrink);
-  COLLINEA_TRY(images.left, read_grey(left, images.shrink));
-  COLLINEA_TRY(images.right, read_grey(right, images.shrink));
-  COLLINEA_TRY(images.left_colours, read_colour(left, images.shrink));
+  COLLINEA_TRY(images.left, read_grey(images.files[0], images.shrink));
+  COLLINEA_TRY(images.right, read_grey(images.files[1], images.shrink));
+  COLLINEA_TRY(images.left_colours, read_colour(images.files[0], images.shrink));
   return images;
 }
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <functional>
 #include <vector>
 
+#include "collinea/jobs/internal/pair_film.h"
 #include "collinea/jobs/internal/pair_options.h"
 #include "collinea/raster/raster.h"
 
@@ -15,9 +17,14 @@ struct PairImages {
   ColourImage left_colours;
   Camera left_camera, right_camera;  ///< of these images
   int shrink = 1;                    ///< against the files
+  std::optional<PairFilm> film = {};
+  std::array<std::filesystem::path, 2> files;
+  std::array<Camera, 2> file_cameras;  ///< of the files
 };
+/// `folder`: where the ideal images of film are written.
 [[nodiscard]] Result<PairImages> read_pair(const std::filesystem::path& left, const std::filesystem::path& right,
-                                           const PairChainOptions& options);
+                                           const std::filesystem::path& folder, const PairChainOptions& options,
+                                           const Run& run);
 
 /// Points as the relative orientation takes them.
 [[nodiscard]] std::vector<PairPoint> normalised(const std::vector<MatchedPoint>& points, const PairImages& images,
