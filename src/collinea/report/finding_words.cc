@@ -17,6 +17,8 @@ std::string reason_of(const Finding& skipped, const Block& block) {
       return "the same bytes as " + words.subject(1);
     case FindingCode::kFolderUnreadable:
       return "cannot be read: " + skipped.detail;
+    case FindingCode::kScanNotOriented:
+      return "no interior orientation: " + skipped.detail;
     case FindingCode::kNoDepthMap:
       return "no depth map: " + skipped.detail;
     default:
