@@ -30,6 +30,7 @@ Command stereo_command();
 Command rectify_command();
 Command relative_command();
 Command interest_command();
+Command correlate_command();
 Command resection_command();
 Command intersection_command();
 Command absolute_command();
@@ -77,6 +78,7 @@ struct CommandGroup {
        {
            relative_command(),
            interest_command(),
+           correlate_command(),
            absolute_command(),
            interior_command(),
            resection_command(),

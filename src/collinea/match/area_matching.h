@@ -7,11 +7,12 @@
 #include <vector>
 
 #include "collinea/base/options.h"
+#include "collinea/base/words.h"
 #include "collinea/raster/raster.h"
 
 // Area matching: a square template of one image is compared with every position in a search area of another, pixel by
-// pixel (Mussio 7.4 and A.9; Karfis 4.3; Bolognesi 5.6). Good to a fifth of a pixel; patch_matching.h goes on from
-// there.
+// pixel (Mussio 7.4 and A.9; Karfis 4.3; Bolognesi 5.6). Good to a fifth of a pixel; least_squares_matching.h
+// and multi_image_matching.h go on from there.
 namespace collinea {
 
 /// How alike two windows T and S of n pixels are.
@@ -115,6 +116,15 @@ struct SubpixelPeak {
 
 /// Why there is no match.
 enum class AreaOutcome { kFound, kOutside, kNoCandidate, kAmbiguous, kAtBorder, kNotReturned };
+inline constexpr Word<AreaOutcome> kAreaOutcomeWords[] = {
+    {AreaOutcome::kFound, "found"},
+    {AreaOutcome::kOutside, "outside", "the window leaves its image, or nothing is searched"},
+    {AreaOutcome::kNoCandidate, "no_candidate", "nothing reaches the threshold"},
+    {AreaOutcome::kAmbiguous, "ambiguous", "the second best is nearly as good"},
+    {AreaOutcome::kAtBorder, "at_border", "the best lies at the border of what was searched"},
+    {AreaOutcome::kNotReturned, "not_returned", "matched back it comes to another position"},
+};
+constexpr std::span<const Word<AreaOutcome>> words(AreaOutcome) { return kAreaOutcomeWords; }
 
 struct AreaMatch {
   Eigen::Vector2d position_px;  ///< in the other image

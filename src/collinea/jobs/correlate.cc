@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/jobs/correlate.h"
+
+#include <algorithm>
+
+#include "collinea/base/file.h"
+#include "collinea/base/parallel.h"
+#include "collinea/feature/interest.h"
+#include "collinea/io/number_rows.h"
+#include "collinea/jobs/internal/marked_image.h"
+#include "collinea/jobs/internal/out_folder.h"
+#include "collinea/match/pair_points.h"
+#include "collinea/raster/geotiff.h"
+#include "collinea/raster/image_file.h"
+
+namespace collinea {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Vector2d;
+
+// Where points are expected beside where they lie on the left: the median of what coarse matching finds.
+Result<Vector2d> found_parallax(const GreyImage& left, const GreyImage& right, const Run& run) {
+  COLLINEA_TRY(const PairPoints pair, find_pair_points(left, right, {}, run).map_error([](Error error) {
+    return std::move(error).about("parallax_px"_option);
+  }));
+  return pair.stages.back().parallax_px;
+}
+
+Result<Vector2d> parallax_of(const GreyImage& left, const GreyImage& right, const CorrelateOptions& options,
+                             const Run& run) {
+  if (!options.parallax_px) return found_parallax(left, right, run);
+  const auto given = parse_numbers(*options.parallax_px);
+  if (!given || given->size() != 2)
+    return fail(Errc::kBadInput, "the parallax is not two numbers with a comma between", {"parallax_px"_option});
+  return Vector2d((*given)[0], (*given)[1]);
+}
+
+// Points whose expected position is not stated have none that is finite.
+Result<std::vector<CorrelatedPoint>> points_of_table(const fs::path& path) {
+  const auto within = [&](Error error) { return std::move(error).within(path.string()); };
+  COLLINEA_TRY(const TextTable table, read_text_table(path));
+  COLLINEA_TRY(const auto names, table.words("point").map_error(within));
+  COLLINEA_TRY(const auto x, table.numbers("x_left", "px").map_error(within));
+  COLLINEA_TRY(const auto y, table.numbers("y_left", "px").map_error(within));
+  COLLINEA_TRY(const auto x_right, table.numbers_or("x_right", "px", std::nan("")).map_error(within));
+  COLLINEA_TRY(const auto y_right, table.numbers_or("y_right", "px", std::nan("")).map_error(within));
+  std::vector<CorrelatedPoint> points;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    points.push_back({.name = names[i], .left_px = {x[i], y[i]}, .expected_px = {x_right[i], y_right[i]}});
+  return points;
+}
+
+std::vector<CorrelatedPoint> interest_points_of(const GreyImage& image, int most) {
+  InterestOptions options;
+  options.max_points = most;
+  std::vector<CorrelatedPoint> points;
+  for (const InterestPoint& point : find_interest_points(image, options).points)
+    points.push_back({.name = std::to_string(points.size() + 1),
+                      .left_px = point.position_px,
+                      .expected_px = Vector2d::Constant(std::nan(""))});
+  return points;
+}
+
+Result<> write_images(const fs::path& folder, const GreyImage& left, const GreyImage& right,
+                      const CorrelateReport& report) {
+  MarkedImage on_left(left), on_right(right);
+  for (const CorrelatedPoint& point : report.points) {
+    on_left.cross(point.left_px, 5, point.match ? kMarkRed : kMarkBlue);
+    if (point.match) on_right.cross(point.match->position_px, 5, kMarkRed);
+  }
+  COLLINEA_TRY(write_png(folder / "left.png", std::move(on_left).image()));
+  return write_png(folder / "right.png", std::move(on_right).image());
+}
+
+Result<> write_surface(const fs::path& folder, const GreyImage& left, const GreyImage& right,
+                       const CorrelateReport& report, const std::string& name) {
+  const auto found = std::find_if(report.points.begin(), report.points.end(),
+                                  [&](const CorrelatedPoint& point) { return point.name == name; });
+  if (found == report.points.end()) return fail(Errc::kBadInput, "there is no point " + name, {"surface_of"_option});
+  const CorrelationSurface surface =
+      match_area(left, found->left_px, right, found->expected_px, report.options).surface;
+  if (surface.values.empty())
+    return fail(Errc::kBadInput, "the window of point " + name + " does not lie in its image, or nothing is searched",
+                {"surface_of"_option});
+  COLLINEA_TRY(write_float_tiff(folder / "surface.tif", surface.values));
+  return write_file(folder / "surface.svg", correlation_svg(surface, name));
+}
+
+}  // namespace
+
+Result<CorrelateReport> correlate_points(const fs::path& left_file, const fs::path& right_file, const fs::path& folder,
+                                         const CorrelateOptions& options, const Run& run) {
+  COLLINEA_TRY(validate(options));
+  for (const auto& [side_px, option] : {std::pair(options.matching.template_px, "template_px"_option),
+                                        std::pair(options.matching.search_px, "search_px"_option),
+                                        std::pair(options.matching.neighbourhood_px, "neighbourhood_px"_option)})
+    if (side_px % 2 == 0) return fail(Errc::kBadInput, "the side of a window is odd: it has a middle", {option});
+  COLLINEA_TRY(const GreyImage left, read_grey(left_file));
+  COLLINEA_TRY(const GreyImage right, read_grey(right_file));
+  CorrelateReport report{.left = left_file.filename().string(),
+                         .right = right_file.filename().string(),
+                         .options = options.matching,
+                         .is_parallax_found = !options.parallax_px};
+  if (options.points) {
+    COLLINEA_TRY(report.points, points_of_table(*options.points));
+  } else {
+    report.points = interest_points_of(left, options.max_points);
+  }
+  const bool needs_parallax = std::any_of(report.points.begin(), report.points.end(),
+                                          [](const CorrelatedPoint& point) { return !point.expected_px.allFinite(); });
+  if (needs_parallax) {
+    COLLINEA_TRY(report.parallax_px, parallax_of(left, right, options, run));
+  }
+  parallel_for(run, report.points.size(), [&](std::size_t i) {
+    CorrelatedPoint& point = report.points[i];
+    if (!point.expected_px.allFinite()) point.expected_px = point.left_px - report.parallax_px;
+    AreaMatching matching = match_area(left, point.left_px, right, point.expected_px, options.matching);
+    point.outcome = matching.outcome;
+    point.match = matching.match;
+    point.candidates = matching.candidates.size();
+  });
+  if (run.stopped()) return fail(Errc::kCancelled, "stopped");
+  COLLINEA_TRY(make_out_folder(folder));
+  COLLINEA_TRY(write_file(folder / "correlated.txt", text_of(correlated_table(report))));
+  COLLINEA_TRY(write_images(folder, left, right, report));
+  if (options.surface_of) {
+    COLLINEA_TRY(write_surface(folder, left, right, report, *options.surface_of));
+  }
+  return report;
+}
+
+}  // namespace collinea

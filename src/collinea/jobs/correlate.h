@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "collinea/base/options.h"
+#include "collinea/base/result.h"
+#include "collinea/base/run.h"
+#include "collinea/match/area_matching.h"
+#include "collinea/report/correlate_report.h"
+
+namespace collinea {
+
+struct CorrelateOptions {
+  std::optional<std::filesystem::path> points = {};
+  int max_points = 200;
+  std::optional<std::string> parallax_px = {};
+  std::optional<std::string> surface_of = {};
+  AreaOptions matching = {};
+
+  template <class Visit>
+  static void describe(Visit&& visit) {
+    using O = CorrelateOptions;
+    visit(
+        Field{"points", &O::points, "",
+              "text table of points of the left image: point x_left y_left [px], and x_right y_right where about they "
+              "are expected; nothing: interest points"}
+            .leads_to(PathKind::kFile));
+    visit(Field{"max_points", &O::max_points, "", "interest points that are taken where no table is given", 1, 1e6});
+    visit(Field{"parallax_px", &O::parallax_px, "",
+                "dx,dy of left less right, where points are expected; nothing: found by matching from small images to "
+                "large ones"});
+    visit(Field{"surface_of", &O::surface_of, "",
+                "name of a point whose similarities are drawn (surface.svg) and written (surface.tif)"});
+    visit(Part{&O::matching});
+  }
+};
+
+/// Finds points of one image in another by area matching, and writes into `folder`: correlated.txt, left.png and
+/// right.png (the images with the points: red found, blue not), surface.svg and surface.tif where asked for. Errors:
+/// files, options, columns, images whose parallax is not found, no point of that name; stopped.
+[[nodiscard]] Result<CorrelateReport> correlate_points(const std::filesystem::path& left,
+                                                       const std::filesystem::path& right,
+                                                       const std::filesystem::path& folder,
+                                                       const CorrelateOptions& options, const Run& run);
+
+}  // namespace collinea

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/jobs/correlate.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "collinea/base/file.h"
+#include "collinea/base/test_folder.h"
+#include "collinea/math/random.h"
+#include "collinea/raster/geotiff.h"
+#include "collinea/raster/image_file.h"
+
+namespace collinea {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Vector2d;
+
+const Vector2d kParallax(23.3, -4.6);  // left less right [px]
+
+// Smooth texture of many waves of 6 to 40 px, the right image shifted by the parallax.
+fs::path written(const fs::path& folder, const char* name, const Vector2d& shift) {
+  Random random(3);
+  struct Wave {
+    Vector2d per_px;
+    double phase, amplitude;
+  };
+  std::vector<Wave> waves;
+  for (int i = 0; i < 60; ++i) {
+    const double direction = random.uniform(0, 6.283), length = random.uniform(6, 40);
+    waves.push_back({6.283 / length * Vector2d(std::cos(direction), std::sin(direction)), random.uniform(0, 6.283),
+                     random.uniform(3, 9)});
+  }
+  GreyImage image(360, 280);
+  Random noise(7, std::uint64_t(name[0]));
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      double grey = 128 + noise.normal();
+      for (const Wave& wave : waves)
+        grey += wave.amplitude * std::cos(wave.per_px.dot(Vector2d(x, y) + shift) + wave.phase);
+      image.at(x, y) = std::uint8_t(std::clamp(grey + 0.5, 0.0, 255.0));
+    }
+  EXPECT_TRUE(write_png(folder / name, image));
+  return folder / name;
+}
+
+// Every measure finds the shift, to what a paraboloid over whole pixels can.
+TEST(Correlate, EveryMeasureFindsTheShift) {
+  const TestFolder folder;
+  const fs::path left = written(folder / "", "left.png", {0, 0}), right = written(folder / "", "right.png", kParallax);
+  ASSERT_TRUE(write_file(folder / "points.txt", "point x_left[px] y_left[px]\nA 120.4 90.7\nB 250 201.2\nC 2 3\n"));
+  for (const auto& method : kSimilarityWords) {
+    CorrelateOptions options;
+    options.points = folder / "points.txt";
+    options.parallax_px = "20,0";
+    options.matching.method = method.value;
+    options.surface_of = "B";
+    const auto report = correlate_points(left, right, folder / "out", options, {.threads = 2});
+    ASSERT_TRUE(report) << report.error().message;
+    ASSERT_EQ(report->points.size(), 3u);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const CorrelatedPoint& point = report->points[i];
+      ASSERT_TRUE(point.match) << method.word << " " << word_of(point.outcome);
+      EXPECT_LT((point.left_px - point.match->position_px - kParallax).norm(), 0.25) << method.word;
+      EXPECT_LT(*point.match->returned_px, 0.5);
+    }
+    EXPECT_EQ(report->points[2].outcome, AreaOutcome::kOutside);  // its window leaves the image
+    const auto table = read_text_table(folder / "out/correlated.txt");
+    ASSERT_TRUE(table) << table.error().message;
+    EXPECT_EQ((*table->words("outcome"))[0], "found");
+    EXPECT_TRUE(table->has(method.word));
+    const auto surface = read_float_tiff(folder / "out/surface.tif");
+    ASSERT_TRUE(surface);
+    EXPECT_EQ(surface->width, 61);  // 81 less the template and one
+    EXPECT_NE(read_file(folder / "out/surface.svg")->find("<svg"), std::string::npos);
+  }
+}
+
+TEST(Correlate, FindsInterestPointsAndTheirParallaxItself) {
+  const TestFolder folder;
+  const fs::path left = written(folder / "", "left.png", {0, 0}), right = written(folder / "", "right.png", kParallax);
+  CorrelateOptions options;
+  options.max_points = 60;
+  const auto report = correlate_points(left, right, folder / "out", options, {});
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_LT((report->parallax_px - kParallax).norm(), 1);
+  std::size_t found = 0;
+  for (const CorrelatedPoint& point : report->points) {
+    if (!point.match) continue;
+    ++found;
+    EXPECT_LT((point.left_px - point.match->position_px - kParallax).norm(), 0.3);
+  }
+  EXPECT_GT(found, 25u);
+  EXPECT_NE(correlate_text(*report).find("found"), std::string::npos);
+}
+
+TEST(Correlate, SaysWhatIsWrong) {
+  const TestFolder folder;
+  const fs::path left = written(folder / "", "left.png", {0, 0}), right = written(folder / "", "right.png", kParallax);
+  CorrelateOptions options;
+  options.max_points = 5;
+  options.parallax_px = "20";
+  const auto option_of = [&] {
+    return correlate_points(left, right, folder / "out", options, {}).error().options.front().name;
+  };
+  EXPECT_EQ(option_of(), "parallax_px");
+  options.parallax_px = "23,-5";
+  options.surface_of = "nobody";
+  EXPECT_EQ(option_of(), "surface_of");
+  options.surface_of.reset();
+  options.matching.template_px = 20;
+  EXPECT_EQ(option_of(), "template_px");
+  options.matching.template_px = 21;
+  options.points = folder / "points.txt";
+  ASSERT_TRUE(write_file(folder / "points.txt", "point x[px] y[px]\nA 120.4 90.7\n"));
+  const auto columns = correlate_points(left, right, folder / "out", options, {});
+  ASSERT_FALSE(columns);
+  EXPECT_NE(columns.error().message.find("x_left"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace collinea

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "collinea/io/text_table.h"
+#include "collinea/match/area_matching.h"
+
+namespace collinea {
+
+/// A point of the left image and what was found of it in the right one.
+struct CorrelatedPoint {
+  std::string name;
+  Eigen::Vector2d left_px{0, 0}, expected_px{0, 0};
+  AreaOutcome outcome = AreaOutcome::kOutside;
+  std::optional<AreaMatch> match;
+  std::size_t candidates = 0;
+};
+
+struct CorrelateReport {
+  std::string left, right;  ///< files
+  AreaOptions options;
+  Eigen::Vector2d parallax_px{0, 0};  ///< left less right, where points are expected without a position of their own
+  bool is_parallax_found = false;     ///< by matching on small images
+  std::vector<CorrelatedPoint> points;
+};
+
+/// A row a point: position on the left, what became of it, position on the right with standard deviations, similarity,
+/// distance on the way back, candidates.
+[[nodiscard]] TextTable correlated_table(const CorrelateReport& report);
+/// For a terminal: how many points ended how, precision, the first rows.
+[[nodiscard]] std::string correlate_text(const CorrelateReport& report);
+/// A picture by itself: the similarities round the expected position as shades, and their profiles through the best one
+/// along row and column.
+[[nodiscard]] std::string correlation_svg(const CorrelationSurface& surface, const std::string& point);
+
+}  // namespace collinea
