@@ -10,6 +10,7 @@
 #include "collinea/jobs/internal/marked_image.h"
 #include "collinea/jobs/internal/out_folder.h"
 #include "collinea/match/pair_points.h"
+#include "collinea/math/median.h"
 #include "collinea/raster/geotiff.h"
 #include "collinea/raster/image_file.h"
 
@@ -19,21 +20,44 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Vector2d;
 
-// Where points are expected beside where they lie on the left: the median of what coarse matching finds.
-Result<Vector2d> found_parallax(const GreyImage& left, const GreyImage& right, const Run& run) {
-  COLLINEA_TRY(const PairPoints pair, find_pair_points(left, right, {}, run).map_error([](Error error) {
-    return std::move(error).about("parallax_px"_option);
-  }));
-  return pair.stages.back().parallax_px;
+constexpr std::size_t kNearest = 5;  // coarse matches by which a point is expected
+
+// Left less right of the coarse matches nearest to a position: their median, so that a wrong one does no harm.
+Vector2d parallax_near(const std::vector<MatchedPoint>& coarse, const Vector2d& left_px) {
+  std::vector<MatchedPoint> nearest(std::min(kNearest, coarse.size()));
+  std::partial_sort_copy(coarse.begin(), coarse.end(), nearest.begin(), nearest.end(),
+                         [&](const MatchedPoint& a, const MatchedPoint& b) {
+                           return (a.left_px - left_px).squaredNorm() < (b.left_px - left_px).squaredNorm();
+                         });
+  Vector2d parallax;
+  for (int axis = 0; axis < 2; ++axis) {
+    std::vector<double> values;
+    for (const MatchedPoint& point : nearest) values.push_back(point.left_px[axis] - point.right_px[axis]);
+    parallax[axis] = median(values);
+  }
+  return parallax;
 }
 
-Result<Vector2d> parallax_of(const GreyImage& left, const GreyImage& right, const CorrelateOptions& options,
-                             const Run& run) {
-  if (!options.parallax_px) return found_parallax(left, right, run);
-  const auto given = parse_numbers(*options.parallax_px);
-  if (!given || given->size() != 2)
-    return fail(Errc::kBadInput, "the parallax is not two numbers with a comma between", {"parallax_px"_option});
-  return Vector2d((*given)[0], (*given)[1]);
+// Where points without an expected position are looked for: by the given parallax, or by coarse matching.
+Result<> expect(CorrelateReport& report, const GreyImage& left, const GreyImage& right, const CorrelateOptions& options,
+                const Run& run) {
+  std::vector<MatchedPoint> coarse;
+  if (options.parallax_px) {
+    const auto given = parse_numbers(*options.parallax_px);
+    if (!given || given->size() != 2)
+      return fail(Errc::kBadInput, "the parallax is not two numbers with a comma between", {"parallax_px"_option});
+    report.parallax_px = {(*given)[0], (*given)[1]};
+  } else {
+    COLLINEA_TRY(const PairPoints pair, find_pair_points(left, right, {}, run).map_error([](Error error) {
+      return std::move(error).about("parallax_px"_option);
+    }));
+    coarse = pair.points;
+    report.parallax_px = pair.stages.back().parallax_px;
+  }
+  for (CorrelatedPoint& point : report.points)
+    if (!point.expected_px.allFinite())
+      point.expected_px = point.left_px - (coarse.empty() ? report.parallax_px : parallax_near(coarse, point.left_px));
+  return {};
 }
 
 // Points whose expected position is not stated have none that is finite.
@@ -110,11 +134,10 @@ Result<CorrelateReport> correlate_points(const fs::path& left_file, const fs::pa
   const bool needs_parallax = std::any_of(report.points.begin(), report.points.end(),
                                           [](const CorrelatedPoint& point) { return !point.expected_px.allFinite(); });
   if (needs_parallax) {
-    COLLINEA_TRY(report.parallax_px, parallax_of(left, right, options, run));
+    COLLINEA_TRY(expect(report, left, right, options, run));
   }
   parallel_for(run, report.points.size(), [&](std::size_t i) {
     CorrelatedPoint& point = report.points[i];
-    if (!point.expected_px.allFinite()) point.expected_px = point.left_px - report.parallax_px;
     AreaMatching matching = match_area(left, point.left_px, right, point.expected_px, options.matching);
     point.outcome = matching.outcome;
     point.match = matching.match;

@@ -30,8 +30,8 @@ struct CorrelateOptions {
             .leads_to(PathKind::kFile));
     visit(Field{"max_points", &O::max_points, "", "interest points that are taken where no table is given", 1, 1e6});
     visit(Field{"parallax_px", &O::parallax_px, "",
-                "dx,dy of left less right, where points are expected; nothing: found by matching from small images to "
-                "large ones"});
+                "dx,dy of left less right, where points are expected; nothing: found near each point by matching from "
+                "small images to large ones"});
     visit(Field{"surface_of", &O::surface_of, "",
                 "name of a point whose similarities are drawn (surface.svg) and written (surface.tif)"});
     visit(Part{&O::matching});
