@@ -29,11 +29,11 @@ double milliseconds(int times, const Work& work) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count() / times;
 }
 
-std::vector<ControlPair> control(int count, const Similarity3& truth, std::uint64_t seed) {
+std::vector<AbsoluteControl> control(int count, const Similarity3& truth, std::uint64_t seed) {
   Random random(seed);
-  std::vector<ControlPair> pairs;
+  std::vector<AbsoluteControl> pairs;
   for (int i = 0; i < count; ++i) {
-    ControlPair pair;
+    AbsoluteControl pair;
     pair.in_model = random_vector(random, 100);
     pair.in_ground = truth * pair.in_model + random_vector(random, 0.03);
     pair.in_model += random_vector(random, 0.05);
@@ -75,7 +75,7 @@ void times() {
   const Similarity3 truth{1.7, rotation_by({0.1, -0.2, 2}), {100, 200, 300}};
   const auto pairs = control(1000, truth, 1);
   std::vector<Vector3d> model, ground;
-  for (const ControlPair& pair : pairs) {
+  for (const AbsoluteControl& pair : pairs) {
     model.push_back(pair.in_model);
     ground.push_back(pair.in_ground);
   }

@@ -215,6 +215,7 @@ class Fit {
     scale_ = ground_from_model.scale;
     rotation_ = ground_from_model.rotation;
     position_ = ground_from_model * reduced_.model - reduced_.ground;
+    has_misfits_ = false;
     bool is_near = false;
     double before = std::numeric_limits<double>::infinity();  // the last step, in standard deviations
     for (iterations_ = 1; iterations_ <= kMostIterations; ++iterations_) {
@@ -258,32 +259,44 @@ class Fit {
  private:
   // Whitened equations at the present parameters and corrected model coordinates.
   [[nodiscard]] bool set_equations() {
+    if (!set_misfits()) return false;
     const Matrix3d turned = scale_ * rotation_.toRotationMatrix();
-    if (!weights_.set(turned)) return false;
     design_.resize(static_cast<Eigen::Index>(rows_.size()), 7);
-    misfit_.resize(design_.rows());
     for (Eigen::Index k = 0; k < design_.rows(); ++k) {
       const auto [i, axis] = rows_[static_cast<std::size_t>(k)];
-      const Vector3d model = pairs_[i].in_model - reduced_.model, measured = turned * model;
-      const Vector3d arm = turned * (model + corrections_[i]);
-      misfit_[k] = pairs_[i].in_ground[axis] - reduced_.ground[axis] - position_[axis] - measured[axis];
+      const Vector3d arm = turned * (pairs_[i].in_model - reduced_.model + corrections_[i]);
       design_.row(k).head<3>() = Vector3d::Unit(axis).transpose();
       design_.row(k).segment<3>(3) = -skew(arm).row(axis);
       design_(k, 6) = arm[axis];
     }
-    raw_ = misfit_;
     weights_.whiten(design_);
+    return design_.allFinite();
+  }
+  // Weights and misfits, which model corrections do not change.
+  [[nodiscard]] bool set_misfits() {
+    if (has_misfits_) return true;
+    const Matrix3d turned = scale_ * rotation_.toRotationMatrix();
+    if (!weights_.set(turned)) return false;
+    misfit_.resize(static_cast<Eigen::Index>(rows_.size()));
+    for (Eigen::Index k = 0; k < misfit_.size(); ++k) {
+      const auto [i, axis] = rows_[static_cast<std::size_t>(k)];
+      const Vector3d measured = turned * (pairs_[i].in_model - reduced_.model);
+      misfit_[k] = pairs_[i].in_ground[axis] - reduced_.ground[axis] - position_[axis] - measured[axis];
+    }
+    raw_ = misfit_;
     weights_.whiten(misfit_);
-    return design_.allFinite() && misfit_.allFinite();
+    has_misfits_ = misfit_.allFinite();
+    return has_misfits_;
   }
   void move(const Vector7& step) {
+    has_misfits_ = false;
     position_ += step.head<3>();
     rotation_ = (rotation_by(step.segment<3>(3)) * rotation_).normalized();
     scale_ *= std::exp(step[6]);
   }
   // Adjusted model coordinates, at which the next equations are linearised.
   void correct_model() {
-    if (!set_equations()) return;
+    if (!set_misfits()) return;
     VectorXd multipliers = misfit_;
     weights_.whiten_transposed(multipliers);
     corrections_ = weights_.model_corrections(multipliers);
@@ -342,6 +355,7 @@ class Fit {
   const Reduced& reduced_;
   Weights weights_;
   std::vector<Vector3d> corrections_;  // of model coordinates
+  bool has_misfits_ = false;           // at the present parameters
   double scale_ = 1;
   Eigen::Quaterniond rotation_ = Eigen::Quaterniond::Identity();
   Vector3d position_ = Vector3d::Zero();
@@ -433,7 +447,8 @@ Result<> check_counts(std::span<const AbsoluteControl> pairs, const std::vector<
 
 }  // namespace
 
-Result<AbsoluteOrientation> absolute_orientation(std::span<const AbsoluteControl> pairs, const AbsoluteOptions& options) {
+Result<AbsoluteOrientation> absolute_orientation(std::span<const AbsoluteControl> pairs,
+                                                 const AbsoluteOptions& options) {
   const std::vector<Row> rows = rows_of(pairs);
   COLLINEA_TRY(check_counts(pairs, rows));
   const Eigen::MatrixXd* full = options.model_covariance;
@@ -495,7 +510,8 @@ AbsoluteParameters parameters_of(const AbsoluteOrientation& orientation) {
           angles.kappa_rad,       similarity.scale, by * orientation.covariance * by.transpose()};
 }
 
-std::optional<std::vector<std::size_t>> contradicting_control(std::span<const AbsoluteControl> pairs, std::uint64_t seed) {
+std::optional<std::vector<std::size_t>> contradicting_control(std::span<const AbsoluteControl> pairs,
+                                                              std::uint64_t seed) {
   std::vector<bundle::PositionPair> full;
   std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < pairs.size(); ++i) {

@@ -40,6 +40,13 @@ struct Eliminated {
   Matrix3d inverse = Matrix3d::Zero();  // of its normal matrix
   Vector3d right = Vector3d::Zero();
   std::vector<std::pair<std::size_t, Eigen::Matrix<double, 6, 3>>> with_pose;
+
+  // As new, but with the memory it has.
+  void reset() {
+    inverse.setZero();
+    right.setZero();
+    with_pose.clear();
+  }
 };
 
 PoseConditioning conditioning_of(const MatrixXd& covariance, std::size_t image) {
@@ -65,21 +72,23 @@ class Adjustment {
     double cost = linearise(linear_);
     if (!std::isfinite(cost)) return fail(Errc::kIllPosed, "a control point lies behind the camera of the start");
     double damping = 0;
+    std::vector<Linear> linear;
     for (iterations_ = 1; iterations_ <= 50; ++iterations_) {
       if (!reduce(damping)) return open();
       const VectorXd step = inverse_ * right_;
-      Adjustment next = *this;
-      next.move(step);
-      const double after = next.linearise(next.linear_);
+      const std::vector<Rigid3> poses = poses_;
+      const std::vector<Vector3d> all_points = points_;
+      move(step);
+      const double after = linearise(linear);
       if (!(after <= cost * (1 + 1e-12) + 1e-20)) {
+        poses_ = poses;
+        points_ = all_points;
         damping = damping > 0 ? damping * 10 : 1e-4;
         if (damping > 1e8) break;
         continue;
       }
       const bool is_settled = cost - after <= 1e-12 * cost + 1e-20 && damping < 1e-6;
-      poses_ = std::move(next.poses_);
-      points_ = std::move(next.points_);
-      linear_ = std::move(next.linear_);
+      linear_.swap(linear);
       cost = after;
       damping = damping > 1e-9 ? damping / 10 : 0;
       if (is_settled) return result(cost);
@@ -173,7 +182,8 @@ class Adjustment {
     const auto size = 6 * static_cast<Eigen::Index>(poses_.size());
     MatrixXd normal = MatrixXd::Zero(size, size);
     right_ = VectorXd::Zero(size);
-    eliminated_.assign(given_.size(), {});
+    eliminated_.resize(given_.size());
+    for (Eliminated& point : eliminated_) point.reset();
     for (std::size_t p = 0; p < given_.size(); ++p) {
       if (is_exact(p)) continue;
       for (int axis = 0; axis < 3; ++axis)
