@@ -202,6 +202,10 @@ TEST(Pair, ScansOfFilmBecomeAMap) {
   const Similarity3& ground_from_model = report->absolute->ground_from_model;
   const Eigen::Vector3d centre = centre_of(pose_of(truth.truth.block, ImageId{0}));
   EXPECT_LT((ground_from_model.translation - centre).norm(), 2);
+  options.cell_m = 0.2;  // a fifth of a pixel on the ground
+  const auto fine = orient_and_match(left, right, folder / "pair", options, {.threads = 2});
+  ASSERT_FALSE(fine);
+  EXPECT_EQ(fine.error().options.front().name, "cell_m");
   options.principal_distance_px = 1000;
   EXPECT_FALSE(orient_and_match(left, right, folder / "pair", options, {}));
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/jobs/internal/pair_map.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -16,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kBatch = 100'000;  // points handed out at once
+constexpr double kLeastPart = 0.5;       // of the mean distance of points, that a cell must have
 
 Block block_of(const MappedPair& pair) {
   Block block;
@@ -59,8 +62,14 @@ Result<std::optional<PairMap>> map_pair(const MappedPair& pair, const std::vecto
                                         std::optional<double> cell_m, const fs::path& folder, const Run& run) {
   const Block block = block_of(pair);
   if (cloud.size() < 4 || !looks_down(block)) return std::optional<PairMap>();
+  const double distance = distance_m(cloud);
+  if (cell_m && *cell_m < kLeastPart * distance)
+    return fail(Errc::kBadInput,
+                fmt::format("cells of {:.3g} m would hardly hold a point: points of the surface are {:.3g} m apart",
+                            *cell_m, distance),
+                {"cell_m"_option});
   PairMap map;
-  map.cell_m = cell_m.value_or(tidy_cell_m(std::max(gsd_m, distance_m(cloud))));
+  map.cell_m = cell_m.value_or(tidy_cell_m(std::max(gsd_m, distance)));
   const DsmFiles files{folder / "dsm.tif", folder / "dsm_sigma.tif", folder / "dsm_state.tif", folder / "dsm_count.tif",
                        folder / "dsm_sigma_relative.tif"};
   COLLINEA_TRY(const DsmSummary surface, build_dsm({.points = points_of(cloud), .gsd_m = gsd_m}, files,

@@ -22,8 +22,8 @@ struct MappedPair {
 /// The surface model and the true orthophoto of a pair: dsm.tif, dsm_sigma.tif, dsm_state.tif, dsm_count.tif,
 /// ortho.tif, ortho_source.tif and dsm_hillshade.tif in the folder. `cloud` lies in the frame of the pair. The sigmas
 /// of heights are those of matching, without what the orientation adds. Nothing where the images do not look down.
-/// Cell: given, else the larger of the ground size of a pixel (`gsd_m`) and the mean distance of points. Errors: disk,
-/// stopped.
+/// Cell: given, else the larger of the ground size of a pixel (`gsd_m`) and the mean distance of points. Errors: a cell
+/// far smaller than that distance; disk, stopped.
 [[nodiscard]] Result<std::optional<PairMap>> map_pair(const MappedPair& pair, const std::vector<CloudPoint>& cloud,
                                                       double gsd_m, std::optional<double> cell_m,
                                                       const std::filesystem::path& folder, const Run& run);
