@@ -37,8 +37,6 @@ Result<MarkSearch> mark_search(const FilmCalibration& calibration, std::optional
                                const ScanMarkOptions& options, const fs::path& first_scan) {
   if (options.turned_deg % 90 != 0)
     return fail(Errc::kBadInput, "films lie turned by 0, 90, 180 or 270 degrees", {"turned_deg"_option});
-  if (calibration.marks.empty())
-    return fail(Errc::kBadInput, "the calibration has no marks: lines mark NAME X Y", {"calibration"_option});
   MarkSearch search{calibration, pixel_mm, options};
   if (options.mark_at) {
     COLLINEA_TRY(const GreyImage scan, read_grey(first_scan));
@@ -60,7 +58,7 @@ Result<ScanMarks> find_marks(const GreyImage& scan, const std::string& name, con
     return fail(Errc::kNotFound,
                 fmt::format("of {} marks fewer than three were found where the calibration has them",
                             search.calibration.marks.size()),
-                {"turned_deg"_option, "search_mm"_option, "mark_kind"_option, "pixel_um"_option});
+                {"turned_deg"_option, "search_mm"_option, "mark_kind"_option});
   ScanMarks marks{.image = name};
   for (const FoundFiducial& one : found) {
     marks.marks.push_back({one.name, one.mark.pixel, std::sqrt(one.mark.covariance.trace() / 2)});
@@ -92,7 +90,7 @@ Result<std::vector<ScanMarks>> find_scan_marks(const fs::path& path, const FilmC
   for (const fs::path& file : files) {
     COLLINEA_TRY(const GreyImage scan, read_grey(file));
     COLLINEA_TRY(ScanMarks marks, find_marks(scan, file.stem().string(), search, run).map_error([&](Error e) {
-      return std::move(e).within(file.string());
+      return std::move(e).within(file.string()).about("pixel_um"_option);
     }));
     out.push_back(std::move(marks));
   }

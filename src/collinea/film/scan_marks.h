@@ -23,6 +23,8 @@ struct ScanMarkOptions {
   int turned_deg = 0;
   double search_mm = 4;
 
+  friend bool operator==(const ScanMarkOptions&, const ScanMarkOptions&) = default;
+
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = ScanMarkOptions;
@@ -33,6 +35,27 @@ struct ScanMarkOptions {
                 "by how much the film lies turned in the scans, clockwise: 0, 90, 180 or 270", 0, 270});
     visit(
         Field{"search_mm", &O::search_mm, "mm", "how far from the predicted positions marks are looked for", 0.1, 50});
+  }
+};
+
+/// Photographs that are scans of film.
+struct FilmScanOptions {
+  std::optional<std::filesystem::path> calibration = {};  ///< nothing: they are none
+  std::optional<double> pixel_um = {};
+  ScanMarkOptions marks = {};
+
+  template <class Visit>
+  static void describe(Visit&& visit) {
+    using O = FilmScanOptions;
+    visit(
+        Field{"film", &O::calibration, "",
+              "calibration of a film camera: the photographs are scans of its film. Their marks are found, and each is "
+              "brought to the ideal image of the camera; control is measured in pixels of the scans"}
+            .leads_to(PathKind::kFile));
+    visit(Field{"film_pixel_um", &O::pixel_um, "um",
+                "size of a pixel of the scans, by which marks are looked for; nothing: the film fills the scan", 0.1,
+                1000});
+    visit(Part{&O::marks});
   }
 };
 
@@ -51,8 +74,8 @@ struct MarkSearch {
   std::optional<MarkModel> learnt = {};  ///< of --mark-at
 };
 
-/// The search, with the mark learnt from `first_scan` where one was pointed to. Errors: options, a calibration without
-/// marks, nothing that could be a mark.
+/// The search, with the mark learnt from `first_scan` where one was pointed to. Errors: options, nothing that
+/// could be a mark.
 [[nodiscard]] Result<MarkSearch> mark_search(const FilmCalibration& calibration, std::optional<double> pixel_mm,
                                              const ScanMarkOptions& options, const std::filesystem::path& first_scan);
 

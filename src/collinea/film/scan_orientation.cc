@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collinea/io/film_calibration_file.h"
+#include "collinea/raster/image_file.h"
+
 namespace collinea {
 
 double ScanOrientation::pixel_mm() const {
@@ -27,6 +30,33 @@ double ScanOrientation::rms_mm() const {
 std::size_t ScanOrientation::misread() const {
   return std::size_t(std::count_if(choice.fit.marks.begin(), choice.fit.marks.end(),
                                    [](const FilmMarkResidual& mark) { return !mark.is_used; }));
+}
+
+Result<> check_film(const FilmScanOptions& options) {
+  if (!options.calibration && (options.pixel_um || options.marks != ScanMarkOptions{}))
+    return fail(Errc::kBadInput, "only scans of film have marks: their calibration is missing",
+                {"film"_option, "film_pixel_um"_option, "mark_kind"_option, "mark_at"_option, "turned_deg"_option,
+                 "search_mm"_option});
+  return {};
+}
+
+Result<MarkSearch> film_search(const FilmScanOptions& options, const std::filesystem::path& first_scan) {
+  COLLINEA_TRY(const FilmCalibration calibration, read_film_calibration(*options.calibration));
+  if (calibration.marks.empty())
+    return fail(Errc::kBadInput,
+                options.calibration->string() + ": no marks, by which scans are oriented: lines mark NAME X Y",
+                {"film"_option});
+  std::optional<double> pixel_mm;
+  if (options.pixel_um) pixel_mm = 1e-3 * *options.pixel_um;
+  return mark_search(calibration, pixel_mm, options.marks, first_scan);
+}
+
+Result<ScanOrientation> orient_scan(const std::filesystem::path& file, const MarkSearch& search, const Run& run) {
+  COLLINEA_TRY(const GreyImage scan, read_grey(file));
+  COLLINEA_TRY(const ScanMarks marks, find_marks(scan, file.stem().string(), search, run).map_error([](Error error) {
+    return std::move(error).about("film_pixel_um"_option);
+  }));
+  return oriented_scan(search.calibration, marks);
 }
 
 Result<ScanOrientation> oriented_scan(const FilmCalibration& calibration, const ScanMarks& found) {

@@ -17,6 +17,17 @@ struct ScanOrientation {
   [[nodiscard]] std::size_t misread() const;  ///< marks that were left out
 };
 
+/// Refuses options of scans where nothing says that the photographs are scans.
+[[nodiscard]] Result<> check_film(const FilmScanOptions& options);
+
+/// How the marks of these scans are looked for; the calibration is there. Errors: its file, a calibration without
+/// marks, as mark_search().
+[[nodiscard]] Result<MarkSearch> film_search(const FilmScanOptions& options, const std::filesystem::path& first_scan);
+
+/// Reads a scan and orients it. Errors: file, marks that are not found, as oriented_scan().
+[[nodiscard]] Result<ScanOrientation> orient_scan(const std::filesystem::path& scan, const MarkSearch& search,
+                                                  const Run& run);
+
 /// All marks weigh alike: film and scanner move them by more than they are read badly. The transformation is affine:
 /// that of one scan may be indistinguishable from a smaller one, but what a smaller one leaves in the scans of a block
 /// adds up in its heights. Of three marks it is the smallest that the larger ones do not reject. Errors: marks that

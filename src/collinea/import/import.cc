@@ -541,7 +541,8 @@ Result<Imported> import_images(const fs::path& photos, const ImportOptions& opti
     return fail(Errc::kNotFound, photos.string() + " cannot be read: " + unreadable.message());
   const Listing listing = files_below(photos);
   std::optional<FilmFolder> film;
-  if (options.film) {
+  COLLINEA_TRY(check_film(options.film));
+  if (options.film.calibration) {
     COLLINEA_TRY(film, film_folder(photos, listing.files, options, run));
   }
   COLLINEA_TRY(const std::vector<ImageFile> read, read_headers(photos, listing.files, run));
@@ -578,7 +579,7 @@ std::string fingerprint_of_sources(const fs::path& photos, const ImportOptions& 
   if (options.control) add_file(*options.control);
   if (options.geodetic) add_file(*options.geodetic);
   if (options.positions) add_file(*options.positions);
-  if (options.film) add_file(*options.film);
+  if (options.film.calibration) add_file(*options.film.calibration);
   const std::optional<HeightsFrom> gps_heights = options.gps_heights;
   for (const auto* heights : {&options.heights, &options.control_heights, &gps_heights})
     if (std::error_code none; *heights && fs::is_regular_file((*heights)->text(), none))  // a geoid grid

@@ -20,6 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Vector2d;
 
+constexpr int kUsualPoints = 200;
 constexpr std::size_t kNearest = 5;  // coarse matches by which a point is expected
 
 // Left less right of the coarse matches nearest to a position: their median, so that a wrong one does no harm.
@@ -120,6 +121,8 @@ Result<CorrelateReport> correlate_points(const fs::path& left_file, const fs::pa
                                         std::pair(options.matching.search_px, "search_px"_option),
                                         std::pair(options.matching.neighbourhood_px, "neighbourhood_px"_option)})
     if (side_px % 2 == 0) return fail(Errc::kBadInput, "the side of a window is odd: it has a middle", {option});
+  if (options.points && options.max_points)
+    return fail(Errc::kBadInput, "the points are those of the table", {"max_points"_option, "points"_option});
   COLLINEA_TRY(const GreyImage left, read_grey(left_file));
   COLLINEA_TRY(const GreyImage right, read_grey(right_file));
   CorrelateReport report{.left = left_file.filename().string(),
@@ -129,10 +132,12 @@ Result<CorrelateReport> correlate_points(const fs::path& left_file, const fs::pa
   if (options.points) {
     COLLINEA_TRY(report.points, points_of_table(*options.points));
   } else {
-    report.points = interest_points_of(left, options.max_points);
+    report.points = interest_points_of(left, options.max_points.value_or(kUsualPoints));
   }
   const bool needs_parallax = std::any_of(report.points.begin(), report.points.end(),
                                           [](const CorrelatedPoint& point) { return !point.expected_px.allFinite(); });
+  if (!needs_parallax && options.parallax_px)
+    return fail(Errc::kBadInput, "the table says of every point where it is expected", {"parallax_px"_option});
   if (needs_parallax) {
     COLLINEA_TRY(expect(report, left, right, options, run));
   }

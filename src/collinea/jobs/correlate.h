@@ -15,7 +15,7 @@ namespace collinea {
 
 struct CorrelateOptions {
   std::optional<std::filesystem::path> points = {};
-  int max_points = 200;
+  std::optional<int> max_points = {};
   std::optional<std::string> parallax_px = {};
   std::optional<std::string> surface_of = {};
   AreaOptions matching = {};
@@ -28,7 +28,8 @@ struct CorrelateOptions {
               "text table of points of the left image: point x_left y_left [px], and x_right y_right where about they "
               "are expected; nothing: interest points"}
             .leads_to(PathKind::kFile));
-    visit(Field{"max_points", &O::max_points, "", "interest points that are taken where no table is given", 1, 1e6});
+    visit(Field{"max_points", &O::max_points, "",
+                "interest points that are taken where no table is given; nothing: 200", 1, 1000000});
     visit(Field{"parallax_px", &O::parallax_px, "",
                 "dx,dy of left less right, where points are expected; nothing: found near each point by matching from "
                 "small images to large ones"});

@@ -113,6 +113,10 @@ TEST(Correlate, SaysWhatIsWrong) {
   EXPECT_EQ(option_of(), "template_px");
   options.matching.template_px = 21;
   options.points = folder / "points.txt";
+  EXPECT_EQ(option_of(), "max_points");
+  options.max_points.reset();
+  ASSERT_TRUE(write_file(folder / "points.txt", "point x_left y_left x_right y_right\nA 120 90 97 95\n"));
+  EXPECT_EQ(option_of(), "parallax_px");
   ASSERT_TRUE(write_file(folder / "points.txt", "point x[px] y[px]\nA 120.4 90.7\n"));
   const auto columns = correlate_points(left, right, folder / "out", options, {});
   ASSERT_FALSE(columns);

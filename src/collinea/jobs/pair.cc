@@ -130,8 +130,12 @@ Result<> orient_absolutely(const fs::path& file, const PairImages& images, const
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     Eigen::Vector2d in_left(pixels[0][i], pixels[1][i]), in_right(pixels[2][i], pixels[3][i]);
     if (images.film) {
-      in_left = images.film->in_left(in_left).value_or(in_left);
-      in_right = images.film->in_right(in_right).value_or(in_right);
+      const auto left = images.film->in_left(in_left), right = images.film->in_right(in_right);
+      if (!left || !right)
+        return fail(Errc::kBadInput,
+                    fmt::format("{}: point {} lies beyond the film", file.string(), report.control_names[i]));
+      in_left = *left;
+      in_right = *right;
     }
     const double sigma = sigma_px / images.shrink;
     const std::array<SightLine, 2> lines = {
@@ -287,12 +291,12 @@ Result<PairReport> orient_and_match(const fs::path& left, const fs::path& right,
   COLLINEA_TRY(const EpipolarImages epipolar,
                epipolar_images(images, orientation, options.base_m.value_or(1), points, run));
   report.epipolar = epipolar.cameras;
-  COLLINEA_TRY(const std::vector<LevelPoint> surface, surface_of(epipolar, orientation, options, report, run));
-  describe_points(epipolar, surface, report);
   if (options.control) {
     COLLINEA_TRY(
         orient_absolutely(*options.control, images, epipolar.cameras, orientation, options.control_sigma_px, report));
   }
+  COLLINEA_TRY(const std::vector<LevelPoint> surface, surface_of(epipolar, orientation, options, report, run));
+  describe_points(epipolar, surface, report);
   COLLINEA_TRY(write_file(folder / "points.txt", text_of(point_table(points, orientation, images.shrink))));
   COLLINEA_TRY(write_png(folder / "epipolar_left.png", epipolar.left));
   COLLINEA_TRY(write_png(folder / "epipolar_right.png", epipolar.right));

@@ -187,7 +187,7 @@ TEST(Pair, ScansOfFilmBecomeAMap) {
   }
   ASSERT_TRUE(write_file(folder / "control.txt", table));
   PairChainOptions options;
-  options.film = folder / "block/film_calibration.txt";
+  options.film.calibration = folder / "block/film_calibration.txt";
   options.control = folder / "control.txt";
   options.surface = PairSurface::kDense;
   const auto left = folder / "block/images/IMG_0001.jpg", right = folder / "block/images/IMG_0002.jpg";
@@ -202,6 +202,10 @@ TEST(Pair, ScansOfFilmBecomeAMap) {
   const Similarity3& ground_from_model = report->absolute->ground_from_model;
   const Eigen::Vector3d centre = centre_of(pose_of(truth.truth.block, ImageId{0}));
   EXPECT_LT((ground_from_model.translation - centre).norm(), 2);
+  PairChainOptions no_film;
+  no_film.principal_distance_px = 1000;
+  no_film.film.marks.turned_deg = 90;
+  EXPECT_EQ(orient_and_match(left, right, folder / "pair", no_film, {}).error().options.front().name, "film");
   options.cell_m = 0.2;  // a fifth of a pixel on the ground
   const auto fine = orient_and_match(left, right, folder / "pair", options, {.threads = 2});
   ASSERT_FALSE(fine);

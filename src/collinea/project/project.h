@@ -23,7 +23,7 @@ struct Project {
 
   /// The photograph that steps work on: of film the ideal image that import made of the scan.
   [[nodiscard]] std::filesystem::path image_file(const Image& image) const {
-    if (settings.import.film) return folder / "film" / ideal_image_name(image.file);
+    if (settings.import.film.calibration) return folder / "film" / ideal_image_name(image.file);
     return std::filesystem::path(settings.photos) / image.file;
   }
   /// The cloud in the map, in the form that was asked for.

@@ -35,7 +35,7 @@ Settings settings_of(const fs::path& folder) {
   Settings settings;
   settings.photos = (folder / "images").string();
   settings.import.control = folder / "control.csv";
-  settings.import.film = folder / "film_calibration.txt";
+  settings.import.film.calibration = folder / "film_calibration.txt";
   return settings;
 }
 
@@ -95,7 +95,7 @@ TEST(FilmStep, SaysWhatIsWrongWithACalibration) {
   ASSERT_TRUE(write_jpeg(folder / "images/a.jpg", GreyImage(300, 300, 1, 100), 80));
   Settings settings;
   settings.photos = folder / "images";
-  settings.import.film = folder / "calibration.txt";
+  settings.import.film.calibration = folder / "calibration.txt";
   Log log;
   ASSERT_TRUE(write_file(folder / "calibration.txt", "principal_distance_mm 153\n"));
   auto none = imported(folder / "project", settings, log);
@@ -106,6 +106,12 @@ TEST(FilmStep, SaysWhatIsWrongWithACalibration) {
   none = imported(folder / "project", settings, log);
   ASSERT_FALSE(none);
   EXPECT_NE(none.error().message.find("no one shows the marks"), std::string::npos) << none.error().message;
+  settings.import.film.calibration.reset();
+  settings.import.film.pixel_um = 20;
+  none = imported(folder / "project", settings, log);
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().options.front().name, "film");
+  settings.import.film.calibration = folder / "calibration.txt";
   settings.import.camera_params = "1000,1000,150,150";
   none = imported(folder / "project", settings, log);
   ASSERT_FALSE(none);

@@ -6,8 +6,6 @@
 #include <algorithm>
 
 #include "collinea/base/units.h"
-#include "collinea/import/reason.h"
-#include "collinea/io/film_calibration_file.h"
 #include "collinea/math/median.h"
 
 namespace collinea {
@@ -17,27 +15,6 @@ namespace fs = std::filesystem;
 
 // A scan whose marks miss by more than this, and by three times what those of others do, is called poor.
 constexpr double kPoorRms_mm = 0.02, kPoorTimes = 3;
-
-Result<ScanOrientation> orient(const fs::path& path, const MarkSearch& search, const Run& run) {
-  COLLINEA_TRY(const GreyImage scan, read_grey(path));
-  COLLINEA_TRY(const ScanMarks marks, find_marks(scan, path.stem().string(), search, run));
-  return oriented_scan(search.calibration, marks);
-}
-
-Result<MarkSearch> search_of(const fs::path& photos, const std::vector<std::string>& files,
-                             const ImportOptions& options) {
-  if (options.camera_params)
-    return fail(Errc::kBadInput, "the camera of film is that of its calibration",
-                {"camera_params"_option, "film"_option});
-  COLLINEA_TRY(const FilmCalibration calibration, read_film_calibration(*options.film));
-  std::optional<double> pixel_mm;
-  if (options.film_pixel_um) pixel_mm = 1e-3 * *options.film_pixel_um;
-  if (calibration.marks.empty())
-    return fail(Errc::kBadInput,
-                options.film->string() + ": no marks, by which scans are oriented: lines mark NAME X Y",
-                {"film"_option});
-  return mark_search(calibration, pixel_mm, options.film_marks, photos / files.front());
-}
 
 }  // namespace
 
@@ -51,12 +28,15 @@ ImageHeader FilmFolder::header() const {
 Result<FilmFolder> film_folder(const fs::path& photos, const std::vector<std::string>& files,
                                const ImportOptions& options, const Run& run) {
   if (files.empty()) return FilmFolder{};  // what is missing is said of every folder
-  COLLINEA_TRY(const MarkSearch search, search_of(photos, files, options));
+  if (options.camera_params)
+    return fail(Errc::kBadInput, "the camera of film is that of its calibration",
+                {"camera_params"_option, "film"_option});
+  COLLINEA_TRY(const MarkSearch search, film_search(options.film, photos / files.front()));
   std::vector<Result<ScanOrientation>> oriented(files.size(), fail(Errc::kNotFound, "not read"));
   UnitList list{.stage = "fiducial marks"};
   for (std::size_t i = 0; i < files.size(); ++i) list.units.push_back(Unit::file(i));
   const auto work = [&](std::size_t i, const Run& one) -> Result<UnitWorked> {
-    oriented[i] = orient(photos / files[i], search, one);
+    oriented[i] = orient_scan(photos / files[i], search, one);
     return UnitWorked{};
   };
   COLLINEA_TRY(run_units(run, list, {.work = work}));

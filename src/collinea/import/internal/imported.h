@@ -29,9 +29,7 @@ struct ImportOptions {
   std::optional<std::filesystem::path> positions;
   CameraModel camera_model = Brown{};
   std::optional<std::string> camera_params;
-  std::optional<std::filesystem::path> film;
-  std::optional<double> film_pixel_um;
-  ScanMarkOptions film_marks;
+  FilmScanOptions film;
   double gps_sigma_m = 2;
   double gps_sigma_height_m = 4;
   double control_sigma_m = 0.02;
@@ -67,15 +65,7 @@ struct ImportOptions {
     visit(Field{"camera_params", &O::camera_params, "px",
                 "known camera for all images, fixed: fx,fy,cx,cy[,k1,k2,k3,p1,p2], of kannala_brandt "
                 "fx,fy,cx,cy[,k1,k2,k3,k4]; centre of the first pixel is 0.5"});
-    visit(
-        Field{"film", &O::film, "",
-              "calibration of a film camera: the photographs are scans of its film. Their marks are found, and each is "
-              "brought to the ideal image of the camera; control is measured in pixels of the scans"}
-            .leads_to(PathKind::kFile));
-    visit(Field{"film_pixel_um", &O::film_pixel_um, "um",
-                "size of a pixel of the scans, by which marks are looked for; nothing: the film fills the scan", 0.1,
-                1000});
-    visit(Part{&O::film_marks});
+    visit(Part{&O::film});
     visit(Field{"gps_sigma_m", &O::gps_sigma_m, "m",
                 "standard deviation of image positions in plan where the file states none", 1e-3});
     visit(Field{"gps_sigma_height_m", &O::gps_sigma_height_m, "m", "the same for heights", 1e-3});

@@ -17,9 +17,7 @@ namespace collinea {
 
 /// How two images become a surface.
 struct PairChainOptions {
-  std::optional<std::filesystem::path> film;
-  std::optional<double> film_pixel_um;
-  ScanMarkOptions film_marks;
+  FilmScanOptions film;
   std::optional<double> principal_distance_px;
   std::optional<std::string> principal_point_px;
   std::optional<Resolution> resolution;
@@ -36,14 +34,7 @@ struct PairChainOptions {
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = PairChainOptions;
-    visit(Field{"film", &O::film, "",
-                "calibration of a film camera: both images are scans of its film. Their marks are found, and each is "
-                "brought to the ideal image of the camera; control is measured in pixels of the scans"}
-              .leads_to(PathKind::kFile));
-    visit(Field{"film_pixel_um", &O::film_pixel_um, "um",
-                "size of a pixel of the scans, by which marks are looked for; nothing: the film fills the scan", 0.1,
-                1000});
-    visit(Part{&O::film_marks});
+    visit(Part{&O::film});
     visit(Field{"principal_distance_px", &O::principal_distance_px, "px", "of both images, as large as their files", 1,
                 1e7});
     visit(Field{"principal_point_px", &O::principal_point_px, "px", "column,row; nothing: the middle of the image"});

@@ -46,7 +46,8 @@ Result<Camera> camera_of(const fs::path& file, const PairChainOptions& options) 
 Result<PairImages> read_pair(const fs::path& left, const fs::path& right, const fs::path& folder,
                              const PairChainOptions& options, const Run& run) {
   PairImages images;
-  if (options.film) {
+  COLLINEA_TRY(check_film(options.film));
+  if (options.film.calibration) {
     COLLINEA_TRY(images.film, pair_film(left, right, folder, options, run));
     images.files = {images.film->left_file, images.film->right_file};
     images.file_cameras.fill(images.film->ideal.camera);
