@@ -59,7 +59,8 @@ void expect_control_position(const Project& mapped, const FilmTruth& film) {
     const Image& image = film.truth.block.images.at(seen.image);
     const auto expected = project(camera, image.bend.bent(pose_of(film.truth.block, seen.image) * mark));
     ASSERT_TRUE(expected);
-    EXPECT_LT((seen.pixel - *expected).norm(), 0.25) << seen.pixel.transpose();
+    // Three and a half of the 0.04 px of local deformation in each coordinate, and the reading of marks.
+    EXPECT_LT((seen.pixel - *expected).norm(), 0.17) << seen.pixel.transpose();
   }
 }
 
