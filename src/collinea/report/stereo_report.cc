@@ -27,7 +27,8 @@ std::string stereo_json(const StereoReport& report) {
                          {"max_disparity_px", report.max_disparity_px},
                          {"pixels", report.pixels},
                          {"measured", report.measured},
-                         {"median_sigma_px", report.median_sigma_px}};
+                         {"median_sigma_px", nullptr}};
+  if (report.median_sigma_px) json["median_sigma_px"] = *report.median_sigma_px;
   for (const LevelCount& level : report.levels)
     json["levels"].push_back({{"threshold", level.threshold},
                               {"interest", level.interest},
@@ -52,8 +53,8 @@ std::string stereo_text(const StereoReport& report) {
   std::string text =
       fmt::format("measured: {:.1f} % of {} pixels, {}\n",
                   report.pixels ? 100.0 * double(report.measured) / double(report.pixels) : 0.0, report.pixels,
-                  report.median_sigma_px > 0 ? fmt::format("median sigma {:.2f} px", report.median_sigma_px)
-                                             : "without standard deviations");
+                  report.median_sigma_px ? fmt::format("median sigma {:.2f} px", *report.median_sigma_px)
+                                         : "without standard deviations");
   if (!report.levels.empty()) text += level_table(report.levels);
   if (report.cameras)
     text += fmt::format("cloud: {} points, {}\n", report.cameras->points,

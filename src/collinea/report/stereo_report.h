@@ -34,7 +34,7 @@ struct StereoReport {
   int min_disparity_px = 0, max_disparity_px = 0;  ///< searched
   std::size_t pixels = 0;                          ///< of the left image that show anything
   std::size_t measured = 0;                        ///< of these with a disparity
-  double median_sigma_px = 0;                      ///< of those that have one; 0: none has
+  std::optional<double> median_sigma_px;           ///< of those that have one
   std::vector<LevelCount> levels;                  ///< where the matcher has them
   PairFrame frame{};                               ///< of the cloud
 
