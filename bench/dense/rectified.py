@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Matchers of a rectified pair beside true disparities: semi-global matching, each local cost, and the levels, as one table.
+"""Matchers of a rectified pair beside true disparities: semi-global matching, each local cost and the levels, as one table.
 
 usage: bench/dense/rectified.py [--only cones,cloth3,wood2] [--data DIR] [--bin DIR] [--out DIR] [--window PX,PX,...]
   --data    folder of cones, cloth3 and wood2 (default ../shared/data/middlebury_stereo); what is not there is skipped, saying so
@@ -40,7 +40,8 @@ FACTORS = {"cones": 4, "cloth3": 2, "wood2": 2}  # of the files of true disparit
 
 
 def matchers():
-    yield "dense", ["--matcher", "dense"]
+    for cost in ("census", "zncc", "rank", "sad", "ssd"):
+        yield f"dense {cost}", ["--matcher", "dense", "--cost", cost]
     for cost in ("ncc", "ssd", "sad", "rank", "census", "d", "dn"):
         for window in args.window.split(","):
             name = f"local {cost}" + (f", {window} px" if "," in args.window else "")

@@ -202,7 +202,7 @@ Result<DisparityMap> match_locally(const GreyImage& left, const GreyImage& right
   COLLINEA_TRY(validate(options));
   COLLINEA_TRY(dense::check_pair(left, right, range));
   COLLINEA_TRY(check(range, options));
-  const dense::LocalPair pair(left, right, options, run);
+  const dense::LocalPair pair(left, right, options.similarity, options.window_px / 2, options.neighbourhood_px, run);
   DisparityMap map{FloatImage(left.width, left.height), FloatImage(left.width, left.height)};
   parallel_for(run, std::size_t((left.height + kBandRows - 1) / kBandRows), [&](std::size_t band) {
     const int begin = int(band) * kBandRows;

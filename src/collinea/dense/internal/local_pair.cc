@@ -96,19 +96,19 @@ LocalMoments local_moments(const LocalPlanes& grey, int width, int height, int h
   return made;
 }
 
-LocalPair::LocalPair(const GreyImage& left_image, const GreyImage& right_image, const LocalOptions& options,
-                     const Run& run)
+LocalPair::LocalPair(const GreyImage& left_image, const GreyImage& right_image, Similarity similarity, int half_px,
+                     int neighbourhood_px, const Run& run)
     : left(left_image),
       right(right_image),
-      half(options.window_px / 2),
-      left_planes(left, options.similarity, half, options.neighbourhood_px, run),
-      right_planes(right, options.similarity, half, options.neighbourhood_px, run) {
+      half(half_px),
+      left_planes(left, similarity, half, neighbourhood_px, run),
+      right_planes(right, similarity, half, neighbourhood_px, run) {
   const auto moments = [&](const GreyImage& image) {
-    return local_moments(LocalPlanes(image, Similarity::kNcc, half, options.neighbourhood_px, run), image.width,
-                         image.height, half);
+    return local_moments(LocalPlanes(image, Similarity::kNcc, half, neighbourhood_px, run), image.width, image.height,
+                         half);
   };
   left_moments = moments(left);
-  if (options.similarity == Similarity::kNcc) right_moments = moments(right);
+  if (similarity == Similarity::kNcc) right_moments = moments(right);
 }
 
 }  // namespace collinea::dense

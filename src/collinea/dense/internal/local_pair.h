@@ -6,7 +6,7 @@
 
 #include "collinea/base/run.h"
 #include "collinea/dense/internal/local_kernels.h"
-#include "collinea/dense/local_matching.h"
+#include "collinea/match/area_matching.h"
 
 namespace collinea::dense {
 
@@ -33,9 +33,10 @@ struct LocalMoments {
 };
 [[nodiscard]] LocalMoments local_moments(const LocalPlanes& grey, int width, int height, int half_px);
 
-/// Both images made ready for one similarity.
+/// Both images made ready for one similarity. The images must outlive it.
 struct LocalPair {
-  LocalPair(const GreyImage& left, const GreyImage& right, const LocalOptions& options, const Run& run);
+  LocalPair(const GreyImage& left, const GreyImage& right, Similarity similarity, int half_px, int neighbourhood_px,
+            const Run& run);
 
   const GreyImage &left, &right;
   int half;
