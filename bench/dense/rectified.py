@@ -66,6 +66,20 @@ def truth_of(folder, factor):
         return left, inside & (abs(shown - left) <= 1)
 
 
+def grey_of(folder, truth, both):
+    """How far grey values of true matches differ, and how far those of a window of 9 x 9 do (median): standard deviations."""
+    left, right = (numpy.asarray(Image.open(os.path.join(folder, side + ".png")).convert("L")).astype(float) for side in ("left", "right"))
+    rows, columns = numpy.nonzero(both)
+    difference = left[rows, columns] - right[rows, numpy.rint(columns - truth[rows, columns]).astype(int)]
+
+    def mean(values, side=9):
+        sums = numpy.pad(values, ((1, 0), (1, 0))).cumsum(0).cumsum(1)
+        return (sums[side:, side:] - sums[:-side, side:] - sums[side:, :-side] + sums[:-side, :-side]) / side**2
+
+    texture = numpy.sqrt(numpy.maximum(mean(left**2) - mean(left) ** 2, 0))
+    return difference.std(), numpy.median(texture)
+
+
 def range_of(folder):
     with open(os.path.join(folder, "drange.txt")) as file:
         values = dict(word.split("=") for word in file.read().split())
@@ -121,5 +135,8 @@ for pair in args.only.split(","):
         print(f"skipped: {pair}: no {folder}", file=sys.stderr)
         continue
     truth, both = truth_of(folder, FACTORS[pair])
+    between, within = grey_of(folder, truth, both)
+    print(f"{pair}: grey values of true matches differ by {between:.1f}, those of a window of the left image by {within:.1f}",
+          file=sys.stderr)
     for name, more in matchers():
         judge(pair, name, folder, truth, both, more)
