@@ -138,6 +138,11 @@ TEST(LocalMatching, WithoutTextureThereIsNothing) {
         match_locally(GreyImage(80, 40, 1, 90), GreyImage(80, 40, 1, 90), {0, 31}, {.similarity = similarity}, {}, {});
     ASSERT_TRUE(map) << map.error().message;
     EXPECT_TRUE(is_empty(map->disparity)) << word;
+    // Some window of the right image is always the best.
+    const auto of_left_alone = match_locally(GreyImage(80, 40, 1, 90), random_image(80, 40, 5), {0, 31},
+                                             {.similarity = similarity}, {100, 0}, {});
+    ASSERT_TRUE(of_left_alone);
+    EXPECT_TRUE(is_empty(of_left_alone->disparity)) << word;
   }
 }
 
