@@ -56,6 +56,7 @@ std::string stereo_text(const StereoReport& report) {
                   report.median_sigma_px ? fmt::format("median sigma {:.2f} px", *report.median_sigma_px)
                                          : "without standard deviations");
   if (!report.levels.empty()) text += level_table(report.levels);
+  if (report.cameras && !report.median_sigma_px) return text + "no cloud: nothing has a standard deviation\n";
   if (report.cameras)
     text += fmt::format("cloud: {} points, {}\n", report.cameras->points,
                         report.frame == PairFrame::kLeftCamera ? "frame of the left camera: x right, y down, z forward"
