@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "collinea/base/parallel.h"
@@ -114,23 +115,42 @@ std::vector<double> thresholds_of(const LevelOptions& options) {
   return thresholds;
 }
 
+// Whether a disparity lies apart from those of the nearest points, and how far these reach.
+bool is_spike(const std::vector<LevelPoint>& points, std::size_t point, const PlaneSquares& squares, double& reach_px) {
+  std::vector<double> around;
+  for (const std::size_t k : squares.nearest(points[point].left_px, kNeighbours)) {
+    around.push_back(points[k].disparity_px);
+    reach_px = (points[k].left_px - points[point].left_px).norm();
+  }
+  const double middle = median(around);
+  for (double& value : around) value = std::abs(value - middle);
+  const double scatter = std::max(1.4826 * median(around), kLeastScatter_px);
+  return std::abs(points[point].disparity_px - middle) > kSpike * scatter;
+}
+
 }  // namespace
 
 std::vector<LevelPoint> without_spikes(std::vector<LevelPoint> points) {
-  while (points.size() > kNeighbours) {
-    const PlaneSquares squares(left_positions(points));
+  // How far the nearest points of each reach; a point that had no spike among them stays as it was judged.
+  std::vector<double> reaches(points.size(), std::numeric_limits<double>::infinity());
+  std::vector<LevelPoint> spikes = points;
+  while (points.size() > kNeighbours && !spikes.empty()) {
+    const PlaneSquares squares(left_positions(points)), rejected(left_positions(spikes));
     std::vector<LevelPoint> kept;
+    std::vector<double> kept_reaches;
+    spikes.clear();
     for (std::size_t i = 0; i < points.size(); ++i) {
-      std::vector<double> around;
-      for (const std::size_t k : squares.nearest(points[i].left_px, kNeighbours))
-        around.push_back(points[k].disparity_px);
-      const double middle = median(around);
-      for (double& value : around) value = std::abs(value - middle);
-      const double scatter = std::max(1.4826 * median(around), kLeastScatter_px);
-      if (std::abs(points[i].disparity_px - middle) <= kSpike * scatter) kept.push_back(points[i]);
+      bool is_new = !std::isfinite(reaches[i]);
+      if (!is_new) rejected.in_square(points[i].left_px, reaches[i], [&](std::size_t) { is_new = true; });
+      if (is_new && is_spike(points, i, squares, reaches[i])) {
+        spikes.push_back(points[i]);
+        continue;
+      }
+      kept.push_back(points[i]);
+      kept_reaches.push_back(reaches[i]);
     }
-    if (kept.size() == points.size()) break;
     points = std::move(kept);
+    reaches = std::move(kept_reaches);
   }
   return points;
 }

@@ -7,39 +7,21 @@
 #include "collinea/dense/internal/disparity_measure.h"
 #include "collinea/dense/internal/level.h"
 #include "collinea/dense/internal/measured_sigma.h"
+#include "collinea/dense/internal/pair_check.h"
 #include "collinea/dense/internal/semi_global.h"
 
 namespace collinea {
 namespace {
 
-constexpr float kSmoothReachPx = 1;  // neighbours that differ by more belong to another surface
-constexpr int kMostDisparities = 2000;
+constexpr float kSmoothReachPx = 1;                  // neighbours that differ by more belong to another surface
 constexpr std::size_t kLargestVolume = 400'000'000;  // pixels times labels of a tile, a byte each
-
-Result<> check(const GreyImage& left, const GreyImage& right, const DisparityRange& range,
-               const StereoOptions& options) {
-  COLLINEA_TRY(validate(options));
-  if (left.empty() || right.empty()) return fail(Errc::kBadInput, "an image of the pair is empty");
-  if (left.height != right.height)
-    return fail(Errc::kBadInput, "the images of a rectified pair have the same height; these have " +
-                                     std::to_string(left.height) + " and " + std::to_string(right.height) + " rows");
-  if (range.high < range.low)
-    return fail(Errc::kBadInput,
-                "no disparity between " + std::to_string(range.low) + " and " + std::to_string(range.high));
-  if (const std::int64_t count = std::int64_t(range.high) - range.low + 1; count > kMostDisparities)
-    return fail(Errc::kBadInput, std::to_string(count) + " disparities are more than " +
-                                     std::to_string(kMostDisparities) + ": use a lower resolution");
-  if (range.low >= left.width || range.high <= -right.width)
-    return fail(Errc::kBadInput, "disparities from " + std::to_string(range.low) + " to " + std::to_string(range.high) +
-                                     " lead out of the images everywhere");
-  return {};
-}
 
 }  // namespace
 
 Result<DisparityMap> match_pair(const GreyImage& left, const GreyImage& right, const DisparityRange& range,
                                 const StereoOptions& options, const Run& run) {
-  COLLINEA_TRY(check(left, right, range, options));
+  COLLINEA_TRY(validate(options));
+  COLLINEA_TRY(dense::check_pair(left, right, range));
   const dense::DisparityCosts costs(left, right, options.cost, run);
   const GreyImage small = dense::small_changes(left);
   FloatImage disparity(left.width, left.height);

@@ -22,16 +22,20 @@ struct StereoOptions {
   double max_sigma_px = 0.5;
   bool fill = false;
 
+  friend bool operator==(const StereoOptions&, const StereoOptions&) = default;
+
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = StereoOptions;
-    visit(Field{"cost", &O::cost, "", "how unlike two pixels are"});
+    visit(Field{"cost", &O::cost, "", "of dense: how unlike two pixels are"});
     visit(Field{"max_left_right_px", &O::max_left_right_px, "px",
                 "largest difference between what is found from the left and from the right, in whole pixels", 0, 100});
     visit(Field{"min_patch_px", &O::min_patch_px, "px", "what hangs together less is left out", 0, 1e6});
-    visit(Field{"min_correlation", &O::min_correlation, "1", "smallest correlation of an accepted match", -1, 1});
+    visit(Field{"min_correlation", &O::min_correlation, "1", "of dense: smallest correlation of an accepted match", -1,
+                1});
     visit(Field{"max_sigma_px", &O::max_sigma_px, "px",
-                "largest standard deviation of an accepted disparity; less texture is left empty", 0.01, 100});
+                "of dense: largest standard deviation of an accepted disparity; less texture is left empty", 0.01,
+                100});
     visit(Field{"fill", &O::fill, "", "fill what is left out from what lies around it; no sigma tells where"});
   }
 };

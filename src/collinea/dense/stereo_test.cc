@@ -17,7 +17,7 @@
 
 #include "collinea/dense/internal/disparity_kernels.h"
 #include "collinea/dense/internal/semi_global.h"
-#include "collinea/dense/internal/test_scene.h"
+#include "collinea/dense/internal/test_pair.h"
 #include "collinea/math/random.h"
 #include "collinea/math/test_targets.h"
 
@@ -26,75 +26,19 @@ namespace {
 
 const float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-// A rectified pair of a plane with disparity `at_left + slope * column`, and, when it is asked for, a square before it
-// with a disparity of its own.
-struct TestPair {
-  int width = 200, height = 120;
-  double at_left = 12.3, slope = 0;
-  double square = 0;  // its disparity; 0: none
-  double noise = 0;
+using test::DisparityErrors;
+using test::TestPair;
 
-  static double grey(double x, double y, bool on_square) {
-    return 125 + (on_square ? 9 : 10) * test::Scene::wave(0.06 * x + (on_square ? 40 : 0), 0.06 * y);
-  }
-  [[nodiscard]] bool on_square(double x, int y) const { return square > 0 && x >= 80 && x < 130 && y >= 35 && y < 85; }
-  [[nodiscard]] double truth(int x, int y) const { return on_square(x, y) ? square : at_left + slope * x; }
-  // whether the right image shows what the left one shows there
-  [[nodiscard]] bool seen_twice(int x, int y) const {
-    const double other = x - truth(x, y);
-    return other >= 0 && (on_square(x, y) || !on_square(other + square, y));
-  }
-
-  [[nodiscard]] GreyImage image_of(bool is_left) const {
-    GreyImage result(width, height);
-    Random random(3, is_left);
-    for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x) {
-        const bool before = on_square(is_left ? x : x + square, y);
-        const double at = is_left ? x : before ? x + square : (x + at_left) / (1 - slope);
-        result.at(x, y) = std::uint8_t(std::clamp(grey(at, y, before) + noise * random.normal() + 0.5, 1.0, 255.0));
-      }
-    return result;
-  }
-  [[nodiscard]] Result<DisparityMap> matched(const StereoOptions& options = {}, const Run& run = {}) const {
-    return match_pair(image_of(true), image_of(false), {0, 40}, options, run);
-  }
-};
-
-struct Errors {
-  int possible = 0, measured = 0, bad = 0;
-  double rms = 0, in_sigmas = 0;
-};
-
-// Of the pixels that both images show, `border` pixels off the edge of the image.
-Errors errors_of(const TestPair& pair, const DisparityMap& map, int border = 6) {
-  Errors e;
-  double squares = 0, relative = 0;
-  for (int y = border; y < pair.height - border; ++y)
-    for (int x = border; x < pair.width - border; ++x) {
-      if (!pair.seen_twice(x, y)) continue;
-      ++e.possible;
-      if (std::isnan(map.disparity.at(x, y))) continue;
-      ++e.measured;
-      const double off = map.disparity.at(x, y) - pair.truth(x, y);
-      if (std::abs(off) > 1) {
-        ++e.bad;
-        continue;
-      }
-      squares += off * off;
-      relative += std::pow(off / map.sigma.at(x, y), 2);
-    }
-  e.rms = std::sqrt(squares / (e.measured - e.bad));
-  e.in_sigmas = std::sqrt(relative / (e.measured - e.bad));
-  return e;
+Result<DisparityMap> matched(const TestPair& pair, const StereoOptions& options = {}, const Run& run = {}) {
+  return match_pair(pair.image_of(true), pair.image_of(false), {0, 40}, options, run);
 }
 
 TEST(Stereo, APlaneIsFoundToAFractionOfAPixel) {
   for (const double slope : {0.0, 0.08, -0.1}) {
     const TestPair pair{.at_left = slope < 0 ? 25.4 : 12.3, .slope = slope};
-    const auto map = pair.matched();
+    const auto map = matched(pair);
     ASSERT_TRUE(map) << map.error().message;
-    const Errors e = errors_of(pair, *map);
+    const DisparityErrors e = errors_of(pair, *map);
     EXPECT_GT(e.measured, 0.97 * e.possible) << slope;
     EXPECT_EQ(e.bad, 0) << slope;
     EXPECT_LT(e.rms, 0.1) << slope;
@@ -106,9 +50,9 @@ TEST(Stereo, AllCostsFindAPlane) {
     const TestPair pair{.slope = 0.05};
     StereoOptions options;
     options.cost = cost;
-    const auto map = pair.matched(options);
+    const auto map = matched(pair, options);
     ASSERT_TRUE(map) << map.error().message;
-    const Errors e = errors_of(pair, *map);
+    const DisparityErrors e = errors_of(pair, *map);
     EXPECT_GT(e.measured, 0.95 * e.possible) << word;
     EXPECT_LT(e.bad, 0.01 * e.measured) << word;
   }
@@ -116,9 +60,9 @@ TEST(Stereo, AllCostsFindAPlane) {
 
 TEST(Stereo, WhatOneCameraCannotSeeIsLeftOut) {
   const TestPair pair{.at_left = 10, .square = 24};
-  const auto map = pair.matched();
+  const auto map = matched(pair);
   ASSERT_TRUE(map) << map.error().message;
-  const Errors e = errors_of(pair, *map);
+  const DisparityErrors e = errors_of(pair, *map);
   EXPECT_GT(e.measured, 0.9 * e.possible);
   EXPECT_LT(e.bad, 0.02 * e.measured);
   int hidden = 0, invented = 0;
@@ -135,9 +79,9 @@ TEST(Stereo, WhatOneCameraCannotSeeIsLeftOut) {
 TEST(Stereo, SigmasAreTheErrors) {
   for (const double noise : {4.0, 8.0}) {
     const TestPair pair{.slope = 0.03, .noise = noise};
-    const auto map = pair.matched({.max_sigma_px = 1});
+    const auto map = matched(pair, {.max_sigma_px = 1});
     ASSERT_TRUE(map) << map.error().message;
-    const Errors e = errors_of(pair, *map);
+    const DisparityErrors e = errors_of(pair, *map);
     EXPECT_NEAR(e.in_sigmas, 1, 0.15) << noise;
   }
 }
@@ -153,13 +97,13 @@ TEST(Stereo, WithoutTextureThereIsNothing) {
 TEST(Stereo, TheNumberOfThreadsDoesNotMatter) {
   constexpr int kTimes = 20;
   const TestPair pair{.at_left = 10, .square = 24, .noise = 5};
-  const auto alone = pair.matched();
+  const auto alone = matched(pair);
   ASSERT_TRUE(alone);
   const auto same = [](float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); };
   for (int i = 0; i < kTimes; ++i) {
     collinea::Run many;
     many.threads = i % 2 ? 3 : 16;
-    const auto shared = pair.matched({}, many);
+    const auto shared = matched(pair, {}, many);
     ASSERT_TRUE(shared);
     EXPECT_TRUE(
         std::equal(alone->disparity.data.begin(), alone->disparity.data.end(), shared->disparity.data.begin(), same));
@@ -169,11 +113,11 @@ TEST(Stereo, TheNumberOfThreadsDoesNotMatter) {
 
 TEST(Stereo, TheVectorsOfTheProcessorDoNotMatter) {
   const TestPair pair{.at_left = 10, .square = 24, .noise = 3};
-  const auto best = pair.matched();
+  const auto best = matched(pair);
   ASSERT_TRUE(best);
   for (const std::int64_t target : testing::processor_targets()) {
     const testing::OnTarget chosen(target);
-    const auto map = pair.matched();
+    const auto map = matched(pair);
     ASSERT_TRUE(map);
     for (const auto& [one, other] : {std::pair{&best->disparity, &map->disparity}, {&best->sigma, &map->sigma}})
       for (std::size_t i = 0; i < one->data.size(); ++i)
@@ -220,7 +164,7 @@ TEST(Stereo, StopsWhenItIsTold) {
       std::this_thread::sleep_for(std::chrono::microseconds(wait_us));
       stop.request_stop();
     });
-    const auto map = pair.matched({}, run);
+    const auto map = matched(pair, {}, run);
     if (wait_us == 0) {
       EXPECT_FALSE(map);
     }

@@ -7,6 +7,7 @@ namespace collinea {
 namespace {
 
 constexpr double kPointsInSquare = 4;
+constexpr double kGrowth = 1.5;  // of what is looked through
 
 }  // namespace
 
@@ -44,13 +45,15 @@ std::vector<std::size_t> PlaneSquares::nearest(const Eigen::Vector2d& at, std::s
   const double outside = (at - at.cwiseMax(corner_).cwiseMin(high)).norm();
   std::vector<std::pair<double, std::size_t>> found;
   // All points within `half` lie in the square: the nearest are known once so many lie in its circle.
-  for (double half = outside + side_;; half *= 2) {
+  for (double half = outside + side_;; half *= kGrowth) {
     found.clear();
     in_square(at, half, [&](std::size_t i) { found.emplace_back((points_[i] - at).squaredNorm(), i); });
     if (found.size() < count) continue;
-    std::partial_sort(found.begin(), found.begin() + std::ptrdiff_t(count), found.end());
+    const auto last = found.begin() + std::ptrdiff_t(count);
+    std::nth_element(found.begin(), last - 1, found.end());
     if (found[count - 1].first <= half * half || found.size() == points_.size()) break;
   }
+  std::sort(found.begin(), found.begin() + std::ptrdiff_t(count));
   for (std::size_t k = 0; k < count; ++k) indices.push_back(found[k].second);
   return indices;
 }

@@ -97,6 +97,74 @@ TEST(StereoPair, RectifiedImagesGiveDisparitiesAndACloudWhereTheCamerasAreKnown)
   expect_the_wall(photos.folder / "cloud/cloud.ply");
 }
 
+double share_near_20(const std::filesystem::path& folder) {
+  const auto disparity = read_float_tiff(folder / "disparity.tif");
+  EXPECT_TRUE(disparity);
+  if (!disparity) return 0;
+  int near = 0;
+  for (int y = 20; y < kHeight - 20; ++y)
+    for (int x = 50; x < kWidth - 20; ++x) near += std::abs(disparity->at(x, y) - 20) < 0.3f;
+  return double(near) / ((kHeight - 40) * (kWidth - 70));
+}
+
+TEST(StereoPair, EveryMatcherFindsTheWall) {
+  const StereoImages photos;
+  StereoPairOptions pair;
+  pair.rectified = true;
+  pair.max_disparity = 40;
+  pair.focal_px = kFocal_px;
+  pair.base_m = kBase_m;
+  for (const auto& [matcher, word, meaning] : kStereoMatcherWords) {
+    StereoMatching matching;
+    matching.matcher = matcher;
+    const auto out = photos.folder / std::string(word);
+    const auto plain = match_stereo(photos.left, photos.right, out, pair, matching, {});
+    ASSERT_TRUE(plain) << word << plain.error().message;
+    EXPECT_EQ(plain->matcher, matcher);
+    EXPECT_GT(plain->measured, 0u);
+    EXPECT_TRUE(plain->median_sigma_px);
+    EXPECT_EQ(plain->levels.empty(), matcher != StereoMatcher::kLevels);
+    EXPECT_GT(plain->cameras->points, 0u);
+    matching.dense.fill = true;
+    const auto filled = match_stereo(photos.left, photos.right, out, pair, matching, {});
+    ASSERT_TRUE(filled) << word << filled.error().message;
+    EXPECT_EQ(filled->measured, plain->measured) << word;
+    EXPECT_GT(share_near_20(out), 0.97) << word;
+  }
+}
+
+TEST(StereoPair, RankAndCensusAloneMakeNoCloud) {
+  const StereoImages photos;
+  StereoPairOptions pair;
+  pair.rectified = true;
+  pair.max_disparity = 40;
+  pair.focal_px = kFocal_px;
+  pair.base_m = kBase_m;
+  StereoMatching matching;
+  matching.matcher = StereoMatcher::kLocal;
+  matching.local.similarity = Similarity::kCensus;
+  const auto done = match_stereo(photos.left, photos.right, photos.folder / "out", pair, matching, {});
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_GT(share_near_20(photos.folder / "out"), 0.97);
+  EXPECT_FALSE(done->median_sigma_px);
+  EXPECT_FALSE(is_there(photos.folder / "out/cloud.ply"));
+}
+
+TEST(StereoPair, OptionsOfAnotherMatcherAreRefused) {
+  const StereoImages photos;
+  StereoPairOptions pair;
+  pair.rectified = true;
+  const auto is_refused = [&](const StereoMatching& matching) {
+    const auto done = match_stereo(photos.left, photos.right, photos.folder / "out", pair, matching, {});
+    return !done && done.error().code == Errc::kBadInput;
+  };
+  EXPECT_TRUE(is_refused({.local = {.window_px = 11}}));
+  EXPECT_TRUE(is_refused({.levels = {.grid_px = 4}}));
+  EXPECT_TRUE(is_refused({.matcher = StereoMatcher::kLocal, .dense = {.cost = StereoCost::kRank}}));
+  EXPECT_TRUE(is_refused({.matcher = StereoMatcher::kLevels, .dense = {.min_patch_px = 9}}));
+  EXPECT_FALSE(is_refused({.matcher = StereoMatcher::kLocal, .dense = {.min_patch_px = 9}}));
+}
+
 TEST(StereoPair, ImagesOfAProjectAreFoundByName) {
   const StereoImages photos;
   Settings settings;

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "collinea/epipolar/relative_elements.h"
+#include "collinea/report/internal/level_table.h"
 
 namespace collinea {
 namespace {
@@ -78,13 +79,7 @@ std::string surface_text(const PairReport& report) {
   std::string text = fmt::format("surface: {}, {} points", word_of(report.surface), report.surface_points);
   text += fmt::format("; median sigma {:.3f} px, {:.4f} {} in depth\n", report.median_sigma_px, report.median_sigma_z,
                       report.has_base ? "m" : "bases");
-  if (report.levels.empty()) return text;
-  text +=
-      fmt::format("  {:>9} {:>9} {:>9} {:>8} {:>13}\n", "threshold", "interest", "matched", "spikes", "searched[px]");
-  for (const LevelCount& level : report.levels)
-    text += fmt::format("  {:>9} {:>9} {:>9} {:>8} {:>13.1f}\n",
-                        level.threshold > 0 ? fmt::format("{:.0f}", level.threshold) : "grid", level.interest,
-                        level.matched, level.spikes, level.median_interval_px);
+  if (!report.levels.empty()) text += level_table(report.levels);
   return text;
 }
 

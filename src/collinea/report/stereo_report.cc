@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "collinea/report/internal/level_table.h"
+
 namespace collinea {
 namespace {
 
@@ -20,11 +22,19 @@ nlohmann::json json_of(const Camera& camera) {
 }  // namespace
 
 std::string stereo_json(const StereoReport& report) {
-  nlohmann::json json = {{"min_disparity_px", report.min_disparity_px},
+  nlohmann::json json = {{"matcher", word_of(report.matcher)},
+                         {"min_disparity_px", report.min_disparity_px},
                          {"max_disparity_px", report.max_disparity_px},
                          {"pixels", report.pixels},
                          {"measured", report.measured},
-                         {"median_sigma_px", report.median_sigma_px}};
+                         {"median_sigma_px", nullptr}};
+  if (report.median_sigma_px) json["median_sigma_px"] = *report.median_sigma_px;
+  for (const LevelCount& level : report.levels)
+    json["levels"].push_back({{"threshold", level.threshold},
+                              {"interest", level.interest},
+                              {"matched", level.matched},
+                              {"spikes", level.spikes},
+                              {"median_interval_px", level.median_interval_px}});
   if (report.cameras) {
     const StereoReport::Cameras& cameras = *report.cameras;
     json["left"] = json_of(cameras.left);
@@ -40,9 +50,13 @@ std::string stereo_json(const StereoReport& report) {
 }
 
 std::string stereo_text(const StereoReport& report) {
-  std::string text = fmt::format("measured: {:.1f} % of {} pixels, median sigma {:.2f} px\n",
-                                 report.pixels ? 100.0 * double(report.measured) / double(report.pixels) : 0.0,
-                                 report.pixels, report.median_sigma_px);
+  std::string text =
+      fmt::format("measured: {:.1f} % of {} pixels, {}\n",
+                  report.pixels ? 100.0 * double(report.measured) / double(report.pixels) : 0.0, report.pixels,
+                  report.median_sigma_px ? fmt::format("median sigma {:.2f} px", *report.median_sigma_px)
+                                         : "without standard deviations");
+  if (!report.levels.empty()) text += level_table(report.levels);
+  if (report.cameras && !report.median_sigma_px) return text + "no cloud: nothing has a standard deviation\n";
   if (report.cameras)
     text += fmt::format("cloud: {} points, {}\n", report.cameras->points,
                         report.frame == PairFrame::kLeftCamera ? "frame of the left camera: x right, y down, z forward"

@@ -4,9 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
+#include "collinea/base/words.h"
 #include "collinea/camera/camera.h"
+#include "collinea/dense/level_matching.h"
 #include "collinea/geometry/rigid3.h"
 
 namespace collinea {
@@ -15,12 +19,23 @@ namespace collinea {
 /// of its orientation.
 enum class PairFrame : std::uint8_t { kLeftCamera, kWorld };
 
+/// How disparities are found.
+enum class StereoMatcher : std::uint8_t { kDense, kLocal, kLevels };
+inline constexpr Word<StereoMatcher> kStereoMatcherWords[] = {
+    {StereoMatcher::kDense, "dense", "semi-global matching: every pixel, smooth where costs do not say"},
+    {StereoMatcher::kLocal, "local", "every pixel by its own window: the most alike wins"},
+    {StereoMatcher::kLevels, "levels", "interest points of falling threshold, each level guided by the last (Karfis)"},
+};
+constexpr std::span<const Word<StereoMatcher>> words(StereoMatcher) { return kStereoMatcherWords; }
+
 /// What came of matching a single pair.
 struct StereoReport {
+  StereoMatcher matcher{};
   int min_disparity_px = 0, max_disparity_px = 0;  ///< searched
   std::size_t pixels = 0;                          ///< of the left image that show anything
   std::size_t measured = 0;                        ///< of these with a disparity
-  double median_sigma_px = 0;                      ///< of the disparities; 0: there are none
+  std::optional<double> median_sigma_px;           ///< of those that have one
+  std::vector<LevelCount> levels;                  ///< where the matcher has them
   PairFrame frame{};                               ///< of the cloud
 
   /// The epipolar pair, where the cameras are known.

@@ -76,6 +76,13 @@ GreyImage rank_of(const GreyImage& image, const Run& run) {
   return result;
 }
 
+PixelTerm term_of(StereoCost kind) {
+  if (kind == StereoCost::kZncc) return PixelTerm::kProduct;
+  return kind == StereoCost::kSsd ? PixelTerm::kSquare : PixelTerm::kDifference;
+}
+
+std::uint8_t rounded(float cost) { return std::uint8_t(std::clamp(cost, 0.0f, float(kLargestCost)) + 0.5f); }
+
 int reach_of(StereoCost kind) { return kind == StereoCost::kZncc ? 3 : 2; }
 
 void window_sums(const GreyImage& image, int reach, Raster<std::int32_t>& sums, FloatImage& deviations,
@@ -106,10 +113,15 @@ DisparityCosts::DisparityCosts(const GreyImage& left, const GreyImage& right, St
   if (kind == StereoCost::kCensus) {
     left_census_ = census_of(left, false, run);
     right_census_ = census_of(right, true, run);
-  } else if (kind == StereoCost::kRank) {
-    left_rank_ = rank_of(left, run);
-    right_rank_ = rank_of(right, run);
-  } else if (kind == StereoCost::kZncc) {
+    return;
+  }
+  const auto planes = [&](const GreyImage& image) {
+    return LocalPlanes(kind == StereoCost::kRank ? rank_of(image, run) : image, Similarity::kSad, reach_of(kind), 0,
+                       run);
+  };
+  left_planes_ = planes(left);
+  right_planes_ = planes(right);
+  if (kind == StereoCost::kZncc) {
     window_sums(left, reach_of(kind), left_sum_, left_deviation_, run);
     window_sums(right, reach_of(kind), right_sum_, right_deviation_, run);
   }
@@ -133,49 +145,44 @@ void DisparityCosts::row(int y, int x0, int x1, int low, int labels, int stride,
   census_costs(left, right, x1 - x0, labels, stride, kChanceCost, costs);
 }
 
-// For study: plain sums over windows, no vectors.
+// Sums down the columns of windows by vectors, then along the row.
 void DisparityCosts::window_row(int y, int x0, int x1, int low, int labels, int stride, std::uint8_t* costs) const {
   const int reach = reach_of(kind_), side = 2 * reach + 1;
-  const bool rank = kind_ == StereoCost::kRank;
-  const GreyImage& left = rank ? left_rank_ : left_;
-  const GreyImage& right = rank ? right_rank_ : right_;
-  const auto of_pair = [&](int a, int b) {
-    return kind_ == StereoCost::kZncc ? a * b : kind_ == StereoCost::kSsd ? (a - b) * (a - b) : std::abs(a - b);
-  };
-  std::vector<int> columns(std::size_t(x1 - x0 + 2 * reach));
+  std::fill_n(costs, std::size_t(x1 - x0) * std::size_t(stride), std::uint8_t(255));
+  std::vector<std::int32_t> columns(std::size_t(x1 - x0 + 2 * reach + kLocalSlack));
   for (int k = 0; k < labels; ++k) {
-    const int d = low + k;
-    for (int i = 0; i < int(columns.size()); ++i) {
-      const int x = x0 - reach + i;
-      int sum = 0;
-      for (int j = -reach; j <= reach; ++j) sum += of_pair(near(left, x, y + j), near(right, x - d, y + j));
-      columns[std::size_t(i)] = sum;
+    const int d = low + k, from = std::clamp(d, x0, x1), to = std::clamp(right_.width + d, from, x1);
+    const auto cost_at = [&](int x) -> std::uint8_t& {
+      return costs[std::size_t(x - x0) * std::size_t(stride) + std::size_t(k)];
+    };
+    for (int x = x0; x < from; ++x) cost_at(x) = kChanceCost;
+    for (int x = to; x < x1; ++x) cost_at(x) = kChanceCost;
+    if (from >= to) continue;
+    std::fill(columns.begin(), columns.end(), 0);
+    for (int j = -reach; j <= reach; ++j) {
+      PixelRows rows;
+      rows.left[0] = left_planes_->row(0, y + j) + from;
+      rows.right[0] = right_planes_->row(0, y + j) + (from - d);
+      slide_columns(term_of(kind_), rows, nullptr, to - from + 2 * reach, columns.data());
     }
-    int sum = 0;
+    std::int32_t sum = 0;
     for (int i = 0; i < side - 1; ++i) sum += columns[std::size_t(i)];
-    for (int x = x0; x < x1; ++x) {
-      sum += columns[std::size_t(x - x0 + side - 1)];
-      const int other = x - d;
-      float cost = kChanceCost;
-      if (other >= 0 && other < right_.width && left_.at(x, y) && right_.at(other, y)) {
-        const float mean = float(sum) / float(side * side);
-        if (kind_ == StereoCost::kZncc) {
-          const double covariance = sum - double(left_sum_.at(x, y)) * right_sum_.at(other, y) / double(side * side);
-          const float scale = left_deviation_.at(x, y) * right_deviation_.at(other, y);
-          cost = scale > 0 ? kChanceCost * (1 - float(covariance / scale)) : kChanceCost;
-        } else {
-          cost = kPerGreyValue * (kind_ == StereoCost::kSsd ? std::sqrt(mean) : mean);
-        }
-      }
-      costs[std::size_t(x - x0) * std::size_t(stride) + std::size_t(k)] =
-          std::uint8_t(std::clamp(cost, 0.0f, float(kLargestCost)) + 0.5f);
-      sum -= columns[std::size_t(x - x0)];
+    for (int x = from; x < to; ++x) {
+      sum += columns[std::size_t(x - from + side - 1)];
+      cost_at(x) = rounded(window_cost(x, x - d, y, sum));
+      sum -= columns[std::size_t(x - from)];
     }
   }
-  for (int x = x0; x < x1; ++x) {
-    std::uint8_t* of_pixel = costs + std::size_t(x - x0) * std::size_t(stride);
-    std::fill(of_pixel + labels, of_pixel + stride, std::uint8_t(255));
-  }
+}
+
+float DisparityCosts::window_cost(int x, int other, int y, int sum) const {
+  if (left_.at(x, y) == 0 || right_.at(other, y) == 0) return kChanceCost;
+  const int side = 2 * reach_of(kind_) + 1;
+  const float mean = float(sum) / float(side * side);
+  if (kind_ != StereoCost::kZncc) return kPerGreyValue * (kind_ == StereoCost::kSsd ? std::sqrt(mean) : mean);
+  const double covariance = sum - double(left_sum_.at(x, y)) * right_sum_.at(other, y) / double(side * side);
+  const float scale = left_deviation_.at(x, y) * right_deviation_.at(other, y);
+  return scale > 0 ? kChanceCost * (1 - float(covariance / scale)) : kChanceCost;
 }
 
 }  // namespace collinea::dense

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "collinea/base/run.h"
 #include "collinea/dense/internal/disparity_map.h"
+#include "collinea/dense/internal/local_pair.h"
 
 namespace collinea::dense {
 
@@ -32,14 +34,16 @@ class DisparityCosts {
 
  private:
   void window_row(int y, int x0, int x1, int low, int labels, int stride, std::uint8_t* costs) const;
+  /// Of the windows round column x and column `other` of row y, by the sum of their terms.
+  [[nodiscard]] float window_cost(int x, int other, int y, int sum) const;
 
   const GreyImage& left_;
   const GreyImage& right_;
   StereoCost kind_;
   GreyImage left_census_, right_census_;  ///< kCensusBytes rows for each of the image, the latter from right to left
-  GreyImage left_rank_, right_rank_;
-  FloatImage left_deviation_, right_deviation_;  ///< root of the sum of squared deviations in a window
-  Raster<std::int32_t> left_sum_, right_sum_;    ///< of grey values in a window
+  std::optional<LocalPlanes> left_planes_, right_planes_;  ///< grey values or ranks, of all but census
+  FloatImage left_deviation_, right_deviation_;            ///< root of the sum of squared deviations in a window
+  Raster<std::int32_t> left_sum_, right_sum_;              ///< of grey values in a window
 };
 
 }  // namespace collinea::dense

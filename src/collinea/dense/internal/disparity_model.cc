@@ -46,14 +46,20 @@ DisparityInterval DisparityModel::interval(const Eigen::Vector2d& at, double hal
   }
 }
 
+std::optional<double> DisparityModel::at(const Eigen::Vector2d& position) const {
+  const auto found = triangles_.find(position);
+  if (!found) return std::nullopt;
+  double disparity_px = 0;
+  const auto& corners = triangles_.triangles()[std::size_t(found->triangle)].corners;
+  for (std::size_t i = 0; i < 3; ++i) disparity_px += found->weights[i] * points_[std::size_t(corners[i])].disparity_px;
+  return disparity_px;
+}
+
 DisparityInterval DisparityModel::around(const Eigen::Vector2d& at, double square_px) const {
   DisparityInterval searched = interval(at, square_px / 2);
-  if (const auto found = triangles_.find(at)) {
-    double predicted = 0;
-    const auto& corners = triangles_.triangles()[std::size_t(found->triangle)].corners;
-    for (std::size_t i = 0; i < 3; ++i) predicted += found->weights[i] * points_[std::size_t(corners[i])].disparity_px;
-    searched.low_px = std::min(searched.low_px, predicted);
-    searched.high_px = std::max(searched.high_px, predicted);
+  if (const auto predicted = this->at(at)) {
+    searched.low_px = std::min(searched.low_px, *predicted);
+    searched.high_px = std::max(searched.high_px, *predicted);
   }
   return searched;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -25,6 +26,9 @@ class DisparityModel {
  public:
   /// Error: points that make no triangle.
   static Result<DisparityModel> of(std::span<const LevelPoint> points);
+
+  /// On the plane of the triangle there; nothing outside all of them.
+  [[nodiscard]] std::optional<double> at(const Eigen::Vector2d& position) const;
 
   /// What a square round a position holds, and what the triangle there says.
   [[nodiscard]] DisparityInterval around(const Eigen::Vector2d& at, double square_px) const;

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/report/internal/level_table.h"
+
+#include <fmt/format.h>
+
+namespace collinea {
+
+std::string level_table(std::span<const LevelCount> levels) {
+  std::string text =
+      fmt::format("  {:>9} {:>9} {:>9} {:>8} {:>13}\n", "threshold", "interest", "matched", "spikes", "searched[px]");
+  for (const LevelCount& level : levels)
+    text += fmt::format("  {:>9} {:>9} {:>9} {:>8} {:>13.1f}\n",
+                        level.threshold > 0 ? fmt::format("{:.0f}", level.threshold) : "grid", level.interest,
+                        level.matched, level.spikes, level.median_interval_px);
+  return text;
+}
+
+}  // namespace collinea
