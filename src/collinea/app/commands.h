@@ -29,6 +29,7 @@ Command pair_command();
 Command stereo_command();
 Command rectify_command();
 Command relative_command();
+Command triplet_command();
 Command interest_command();
 Command correlate_command();
 Command resection_command();
@@ -77,6 +78,7 @@ struct CommandGroup {
       {"Single steps: one method, with its standard deviations",
        {
            relative_command(),
+           triplet_command(),
            interest_command(),
            correlate_command(),
            absolute_command(),

@@ -319,5 +319,26 @@ TEST(Commands, AnAnswerMayStandBehindAFlag) {
   }
 }
 
+// Three images in a row, c = 100 mm, bases of 100 and 80: exact measurements of nine points.
+TEST(Commands, ThreeImagesAreJoined) {
+  const TestFolder folder;
+  const std::string file = (folder / "m.txt").string(), out = (folder / "out").string();
+  std::string text = "image point x[mm] y[mm]\n";
+  for (int p = 0; p < 9; ++p) {
+    const double x = 60 + 40 * (p % 3), y = 70 * (p / 3) - 70, depth = 200 + 15 * ((p * 5) % 4);
+    for (const auto& [name, centre] : {std::pair("A", 0.0), {"B", 100.0}, {"C", 180.0}})
+      text += name + std::string(" ") + std::to_string(p) + " " + std::to_string(100 * (x - centre) / depth) + " " +
+              std::to_string(100 * y / depth) + "\n";
+  }
+  ASSERT_TRUE(write_file(file, text));
+  const Outcome outcome =
+      collinea_with({"triplet", file, "--principal-distance", "100", "--sigma", "0.001", "--base-m", "100", "-o", out});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("2 of 16 combinations are acceptable"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("base_ratio  0.800"), std::string::npos) << outcome.out;
+  EXPECT_NE(read_file(std::filesystem::path(out) / "combinations.txt").value_or("").find("1D"), std::string::npos);
+  EXPECT_EQ(collinea_with({"triplet", file}).code, 2);  // no principal distance
+}
+
 }  // namespace
 }  // namespace collinea
