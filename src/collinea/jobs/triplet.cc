@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "collinea/camera/camera.h"
@@ -77,9 +78,9 @@ Participants taking_part(const ImageMarks& table, const std::set<std::size_t>& r
     std::vector<Rigid3> poses;
     std::vector<Vector2d> rays;
     std::vector<std::size_t> rows;
-    for (std::size_t k = 0; k < table.marks.size(); ++k) {
+    for (const std::size_t k : table.marks_of[p]) {
       const BundleMark& mark = table.marks[k];
-      if (mark.point != p || rejected_rows.contains(k)) continue;
+      if (rejected_rows.contains(k)) continue;
       poses.push_back(images.cam_from_model[mark.image]);
       rays.push_back(normalized(camera, mark.in_image));
       rows.push_back(k);
@@ -106,7 +107,25 @@ struct Adjusted {
   Participants participants;
 };
 
-// Least squares of all bundles; the worst measurement goes as long as its test is beyond the limit.
+// The worst measurement of each point whose test is beyond the limit and beyond half of the largest one: errors of
+// different points hardly hide each other, but a large one makes others look wrong.
+std::vector<std::size_t> contradicting_marks(const AdjustedBundles& found, const std::vector<BundleMark>& marks,
+                                             double limit) {
+  std::map<std::size_t, std::size_t> worst_of_point;
+  const auto test = [&](std::size_t k) { return found.marks[k].w.cwiseAbs().maxCoeff(); };
+  double largest = 0;
+  for (std::size_t k = 0; k < marks.size(); ++k) {
+    const auto [worst, is_new] = worst_of_point.emplace(marks[k].point, k);
+    if (test(k) > test(worst->second)) worst->second = k;
+    largest = std::max(largest, test(k));
+  }
+  std::vector<std::size_t> out;
+  for (const auto& [point, k] : worst_of_point)
+    if (test(k) > limit && test(k) > largest / 2) out.push_back(k);
+  return out;
+}
+
+// Least squares of all bundles, again without those that contradict as long as there are any.
 Result<Adjusted> adjusted(const ImageMarks& table, std::set<std::size_t>& rejected_rows, ImageBundles images,
                           const Camera& camera, const TripletOptions& options, TripletReport& report) {
   while (true) {
@@ -115,12 +134,10 @@ Result<Adjusted> adjusted(const ImageMarks& table, std::set<std::size_t>& reject
     COLLINEA_TRY(out.found, adjust_bundles(out.participants.start, out.participants.marks));
     report.variance = {out.found.sigma0, out.found.redundancy, table.sigmas_are_stated, options.adjustment.alpha};
     if (options.adjustment.rejection == PairRejection::kNone || out.found.redundancy <= 1) return out;
-    std::size_t worst = 0;
-    const auto largest = [&](std::size_t k) { return out.found.marks[k].w.cwiseAbs().maxCoeff(); };
-    for (std::size_t k = 0; k < out.found.marks.size(); ++k)
-      if (largest(k) > largest(worst)) worst = k;
-    if (!(largest(worst) / report.variance.factor() > report.variance.limit())) return out;
-    rejected_rows.insert(out.participants.rows[worst]);
+    const std::vector<std::size_t> contradicting =
+        contradicting_marks(out.found, out.participants.marks, report.variance.limit() * report.variance.factor());
+    if (contradicting.empty()) return out;
+    for (const std::size_t k : contradicting) rejected_rows.insert(out.participants.rows[k]);
     images.cam_from_model = out.found.bundles.cam_from_model;
   }
 }
@@ -150,12 +167,11 @@ void state_images(const ImageMarks& table, const AdjustedBundles& model, Triplet
 void state_points(const ImageMarks& table, const Adjusted& adjusted, const AdjustedBundles& model,
                   TripletReport& report) {
   const double factor = report.variance.factor();
+  std::vector<int> rays(adjusted.participants.points.size(), 0);
+  for (const BundleMark& mark : adjusted.participants.marks) ++rays[mark.point];
   for (std::size_t p = 0; p < adjusted.participants.points.size(); ++p)
-    report.points.push_back(
-        {table.points[adjusted.participants.points[p]], model.bundles.points[p],
-         factor * factor * model.point_covariances[p],
-         static_cast<int>(std::count_if(adjusted.participants.marks.begin(), adjusted.participants.marks.end(),
-                                        [&](const BundleMark& mark) { return mark.point == p; }))});
+    report.points.push_back({table.points[adjusted.participants.points[p]], model.bundles.points[p],
+                             factor * factor * model.point_covariances[p], rays[p]});
   const Vector2d axes(1, report.frame.y_up ? -1 : 1);
   std::vector<const BundleMarkTest*> tests(table.marks.size(), nullptr);
   for (std::size_t k = 0; k < adjusted.participants.rows.size(); ++k)
@@ -168,9 +184,10 @@ void state_points(const ImageMarks& table, const Adjusted& adjusted, const Adjus
       row.test.w = tests[k]->w.cwiseProduct(axes) / factor;
       row.test.redundancy = tests[k]->redundancy;
     } else {
-      const auto at = std::find(adjusted.participants.points.begin(), adjusted.participants.points.end(), mark.point);
+      const auto at =
+          std::lower_bound(adjusted.participants.points.begin(), adjusted.participants.points.end(), mark.point);
       row.test.misfit.setConstant(NAN);
-      if (at != adjusted.participants.points.end()) {
+      if (at != adjusted.participants.points.end() && *at == mark.point) {
         const Vector3d& point = adjusted.found.bundles.points[std::size_t(at - adjusted.participants.points.begin())];
         const auto seen = project(report.frame.camera, adjusted.found.bundles.cam_from_model[mark.image] * point);
         if (seen) row.test.misfit = (mark.in_image - *seen).cwiseProduct(axes);

@@ -37,9 +37,9 @@ struct TripletOptions {
 
 /// Three images of a table (image point x y, and sigma where it is known) joined: the relative orientations of images
 /// 1-2 and 2-3 in order of appearance, the sixteen combinations of their four solutions each and the choice of one
-/// (join_three_images), then least squares of all bundles (adjust_bundles). Data snooping of the last leaves out single
-/// measurements where rejection is asked for. Errors: file, columns, another number of images than three, no principal
-/// distance, pairs that determine no orientation, fewer than two common points with depth.
+/// (join_three_images), then least squares of all bundles (adjust_bundles). Data snooping of the last leaves out
+/// measurements where rejection is asked for, one of a point at a time. Errors: file, columns, another number of images
+/// than three, no principal distance, pairs that determine no orientation, fewer than two common points with depth.
 [[nodiscard]] Result<TripletReport> orient_triplet(const std::filesystem::path& measurements,
                                                    const TripletOptions& options);
 

@@ -26,7 +26,7 @@ std::string pairs_text(const TripletReport& report) {
     for (int k = 0; k < 4; ++k)
       text += fmt::format(" {} {}", solution_name(static_cast<int>(p) + 1, k), pair.in_front[std::size_t(k)]);
     text += "\n";
-    for (const std::string& name : pair.rejected) text += fmt::format("  point {} is rejected\n", name);
+    if (!pair.rejected.empty()) text += fmt::format("  rejected points: {}\n", fmt::join(pair.rejected, " "));
   }
   return text;
 }

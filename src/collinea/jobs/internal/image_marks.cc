@@ -4,23 +4,32 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
-#include <algorithm>
+#include <map>
 
 namespace collinea {
 namespace {
 
-std::size_t index_in(std::vector<std::string>& names, const std::string& name) {
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
-  names.push_back(name);
-  return names.size() - 1;
-}
+// Names in order of appearance, with their indices.
+class Names {
+ public:
+  explicit Names(std::vector<std::string>& names) : names_(names) {}
+  std::size_t index_of(const std::string& name) {
+    const auto [at, is_new] = index_.emplace(name, names_.size());
+    if (is_new) names_.push_back(name);
+    return at->second;
+  }
+
+ private:
+  std::vector<std::string>& names_;
+  std::map<std::string, std::size_t> index_;
+};
 
 }  // namespace
 
 const BundleMark* ImageMarks::find(std::size_t image, std::size_t point) const {
-  for (const BundleMark& mark : marks)
-    if (mark.image == image && mark.point == point) return &mark;
+  if (point >= marks_of.size()) return nullptr;
+  for (const std::size_t k : marks_of[point])
+    if (marks[k].image == image) return &marks[k];
   return nullptr;
 }
 
@@ -34,12 +43,15 @@ Result<ImageMarks> read_image_marks(const TextTable& table, const PhotoFrame& fr
   COLLINEA_TRY(const auto sigmas, table.numbers_or("sigma", unit, sigma ? stated : frame.y_up ? 0.005 : 0.5));
   ImageMarks out;
   out.sigmas_are_stated = table.has("sigma") || sigma.has_value();
+  Names image_names(out.images), point_names(out.points);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!(sigmas[i] > 0))
       return fail(Errc::kBadInput, fmt::format("point {} in {}: its sigma is not above zero", points[i], images[i]));
-    const std::size_t image = index_in(out.images, images[i]), point = index_in(out.points, points[i]);
+    const std::size_t image = image_names.index_of(images[i]), point = point_names.index_of(points[i]);
     if (out.find(image, point))
       return fail(Errc::kBadFormat, fmt::format("point {} is measured twice in image {}", points[i], images[i]));
+    out.marks_of.resize(out.points.size());
+    out.marks_of[point].push_back(out.marks.size());
     out.marks.push_back({image, point, frame.pixel({x[i], y[i]}), sigmas[i]});
   }
   if (out.marks.empty()) return fail(Errc::kBadInput, "the table has no measurements");

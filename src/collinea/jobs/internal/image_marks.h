@@ -14,8 +14,9 @@ namespace collinea {
 
 /// What a table of measurements in several images holds: image point x y and, where known, sigma.
 struct ImageMarks {
-  std::vector<std::string> images, points;  ///< in order of appearance
-  std::vector<BundleMark> marks;            ///< as the frame's camera has them, in its pixels
+  std::vector<std::string> images, points;         ///< in order of appearance
+  std::vector<BundleMark> marks;                   ///< as the frame's camera has them, in its pixels
+  std::vector<std::vector<std::size_t>> marks_of;  ///< of each point, their indices
   bool sigmas_are_stated = false;
 
   /// The mark of a point in an image; nothing where there is none.
