@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <set>
 
 #include "collinea/epipolar/projective_factorisation.h"
 #include "collinea/epipolar/self_calibration.h"
@@ -124,8 +125,10 @@ FactorisationReport::Euclidean euclidean_of(const AdjustedBundles& found, const 
     const auto row = static_cast<Index>(6 * i);
     std::vector<Estimate> exterior = estimates_of_pose(model.bundles.cam_from_model[i]);
     add_sigmas(exterior, covariance_of_estimates(model.bundles.cam_from_model[i], covariance.block<6, 6>(row, row)));
-    for (Estimate& e : exterior)
+    for (Estimate& e : exterior) {
       if (e.unit == "m") e.unit = "";
+      if (i == 0) e = {e.name, e.unit, 0, {}};  // the datum
+    }
     out.exterior.push_back(std::move(exterior));
   }
   for (std::size_t p = 0; p < model.bundles.points.size(); ++p) {
@@ -185,9 +188,8 @@ Matrix3d calibration_by(double focal, const Vector2d& principal_point) {
   return k;
 }
 
-Result<FactorisationReport> report_of(const ImageMarks& table, const PhotoFrame& frame,
+Result<FactorisationReport> report_of(const ImageMarks& table, const Common& common, const PhotoFrame& frame,
                                       const FactoriseOptions& options) {
-  const Common common = common_points(table);
   FactorisationReport report;
   report.unit = frame.unit();
   report.y_up = frame.y_up;
@@ -231,6 +233,29 @@ Result<FactorisationReport> report_of(const ImageMarks& table, const PhotoFrame&
   return report;
 }
 
+// Points with a test beyond the limit and beyond half of the largest one: a large error makes others look wrong.
+std::set<std::string> contradicting_points(const FactorisationReport& report) {
+  std::set<std::string> out;
+  const auto& euclidean = report.self_calibrated ? report.self_calibrated : report.calibrated;
+  if (!euclidean || euclidean->variance.redundancy <= 1) return out;
+  double largest = 0;
+  for (const BundleMarkTest& mark : euclidean->marks) largest = std::max(largest, mark.w.cwiseAbs().maxCoeff());
+  const double limit = std::max(euclidean->variance.limit(), largest / 2);
+  for (std::size_t k = 0; k < euclidean->marks.size(); ++k)
+    if (euclidean->marks[k].w.cwiseAbs().maxCoeff() > limit) out.insert(report.points[k / report.images.size()]);
+  return out;
+}
+
+ImageMarks without_points(const ImageMarks& table, const std::set<std::string>& names) {
+  ImageMarks out;
+  out.images = table.images;
+  out.points = table.points;
+  out.sigmas_are_stated = table.sigmas_are_stated;
+  for (const BundleMark& mark : table.marks)
+    if (!names.contains(table.points[mark.point])) out.marks.push_back(mark);
+  return out;
+}
+
 }  // namespace
 
 Result<FactorisationReport> factorise_table(const std::filesystem::path& measurements,
@@ -243,7 +268,17 @@ Result<FactorisationReport> factorise_table(const std::filesystem::path& measure
   if (!photo.principal_distance) photo.principal_distance = 1;  // nothing here is computed with it
   COLLINEA_TRY(const PhotoFrame frame, photo_frame(photo, stated.empty() || stated == "px" ? "px" : "mm"));
   COLLINEA_TRY(const ImageMarks marks, read_image_marks(table, frame, options.sigma).map_error(in_file));
-  return report_of(marks, frame, options).map_error(in_file);
+  std::set<std::string> rejected;
+  while (true) {
+    Common common = common_points(without_points(marks, rejected));
+    std::erase_if(common.left_out, [&](const std::string& name) { return rejected.contains(name); });
+    COLLINEA_TRY(FactorisationReport report, report_of(marks, common, frame, options).map_error(in_file));
+    report.rejected.assign(rejected.begin(), rejected.end());
+    if (!options.reject) return report;
+    const std::set<std::string> contradicting = contradicting_points(report);
+    if (contradicting.empty()) return report;
+    rejected.insert(contradicting.begin(), contradicting.end());
+  }
 }
 
 }  // namespace collinea

@@ -17,6 +17,7 @@ struct FactoriseOptions {
   PhotoOptions photo;
   CalibrationUnknowns calibration = CalibrationUnknowns::kFocalPoint;
   std::optional<double> sigma = {};
+  bool reject = false;
   double alpha = 0.001;
   std::uint64_t seed = 1;
 
@@ -29,6 +30,10 @@ struct FactoriseOptions {
                 "standard deviation of a coordinate where the table states none, in its unit; nothing: 0.5 px or 0.005 "
                 "mm, and sigma0 tells the true size",
                 1e-9, 1e6});
+    visit(Field{
+        "reject", &O::reject, "",
+        "leave out points of which a test is beyond its limit and half of the largest, and begin again, as long as "
+        "there are any"});
     visit(Field{"alpha", &O::alpha, "1", "chance with which a test rejects what is right", 1e-6, 0.5});
     visit(Field{"seed", &O::seed, "", "of the samples of the calibrated path"});
   }

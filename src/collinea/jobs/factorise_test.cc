@@ -100,6 +100,24 @@ TEST_F(Factorise, TheCalibratedPathStandsBeside) {
   EXPECT_EQ(factorisation_tables(*right).size(), 11u);
 }
 
+TEST_F(Factorise, PointsWithGrossErrorsAreLeftOut) {
+  SelfCalibrationTruth truth = self_calibration_truth({.images = 5, .points = 30, .sigma = 0.3, .seed = 6});
+  truth.measured.xy[2].col(11) += Eigen::Vector2d(6, -9);
+  truth.measured.xy[4].col(20) += Eigen::Vector2d(-40, 25);
+  FactoriseOptions options;
+  options.sigma = 0.3;
+  options.calibration = CalibrationUnknowns::kAll;
+  const auto named = factorise_table(file(table_of(truth)), options);
+  ASSERT_TRUE(named && named->self_calibrated);
+  EXPECT_NE(factorisation_text(*named).find("contradicts the others: largest"), std::string::npos);
+  options.reject = true;
+  const auto report = factorise_table(file(table_of(truth)), options);
+  ASSERT_TRUE(report && report->self_calibrated);
+  EXPECT_EQ(report->rejected, (std::vector<std::string>{"11", "20"}));
+  EXPECT_TRUE(report->left_out.empty());
+  EXPECT_LT(report->self_calibrated->variance.sigma0, 1.3);
+}
+
 TEST_F(Factorise, WhatIsNotDeterminedIsSaid) {
   FactoriseOptions options;
   const auto two = factorise_table(file(table_of(self_calibration_truth({.images = 2, .points = 20}))), options);

@@ -151,8 +151,10 @@ void state_images(const ImageMarks& table, const AdjustedBundles& model, Triplet
     add_sigmas(exterior,
                factor * factor *
                    covariance_of_estimates(model.bundles.cam_from_model[i], model.covariance.block<6, 6>(row, row)));
-    for (Estimate& e : exterior)
+    for (Estimate& e : exterior) {
       if (e.unit == "m" && !report.base_is_given) e.unit = "";
+      if (i == 0) e = {e.name, e.unit, 0, {}};  // the datum
+    }
     report.images[i].name = table.images[i];
   }
   // |C3 - C2| over |C2 - C1|, whose length has no error.

@@ -141,6 +141,7 @@ std::string projective_text(const FactorisationReport& report) {
       fmt::format("projective factorisation: {}, {} in all of them", counted_text(report.images.size(), "image"),
                   counted_text(report.points.size(), "point"));
   if (!report.left_out.empty()) text += fmt::format("; {} left out, not in all images", report.left_out.size());
+  if (!report.rejected.empty()) text += fmt::format("\nrejected points: {}", fmt::join(report.rejected, " "));
   text += fmt::format(
       "\nmeasurement matrix: fourth singular value {:.2e} of the first, fifth {:.2e} (rank 4 has none); {} "
       "alternations, {} iterations in the images\n",

@@ -35,6 +35,7 @@ struct FactorisationReport {
   bool y_up = false;
   std::vector<std::string> images, points;
   std::vector<std::string> left_out;  ///< points that not all images show
+  std::vector<std::string> rejected;  ///< points that contradict the others
   std::size_t unit_base = 1;          ///< the image whose distance from the first one is 1
   ProjectiveModel projective;         ///< in the axes of the table
   VarianceTest projective_variance;
