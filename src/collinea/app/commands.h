@@ -29,12 +29,16 @@ Command pair_command();
 Command stereo_command();
 Command rectify_command();
 Command relative_command();
+Command triplet_command();
+Command factorise_command();
 Command interest_command();
 Command correlate_command();
 Command resection_command();
 Command intersection_command();
 Command absolute_command();
 Command rotation_command();
+Command collinearity_command();
+Command refraction_command();
 Command edges_command();
 Command enhance_command();
 Command models_command();
@@ -77,6 +81,8 @@ struct CommandGroup {
       {"Single steps: one method, with its standard deviations",
        {
            relative_command(),
+           triplet_command(),
+           factorise_command(),
            interest_command(),
            correlate_command(),
            absolute_command(),
@@ -84,6 +90,8 @@ struct CommandGroup {
            resection_command(),
            intersection_command(),
            rotation_command(),
+           collinearity_command(),
+           refraction_command(),
            edges_command(),
            enhance_command(),
            models_command(),

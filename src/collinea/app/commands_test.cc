@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -10,6 +11,7 @@
 #include "collinea/base/file.h"
 #include "collinea/base/source_tree.h"
 #include "collinea/base/test_folder.h"
+#include "collinea/geometry/rotation.h"
 #include "collinea/project/project.h"
 #include "collinea/report/signed_files.h"
 
@@ -317,6 +319,75 @@ TEST(Commands, AnAnswerMayStandBehindAFlag) {
     else
       EXPECT_EQ(text.find("\noption"), std::string::npos) << text;
   }
+}
+
+// Three images in a row, c = 100 mm, bases of 100 and 80: exact measurements of nine points.
+TEST(Commands, ThreeImagesAreJoined) {
+  const TestFolder folder;
+  const std::string file = (folder / "m.txt").string(), out = (folder / "out").string();
+  std::string text = "image point x[mm] y[mm]\n";
+  for (int p = 0; p < 9; ++p) {
+    const double x = 60 + 40 * (p % 3), y = 70 * (p / 3) - 70, depth = 200 + 15 * ((p * 5) % 4);
+    for (const auto& [name, centre] : {std::pair("A", 0.0), {"B", 100.0}, {"C", 180.0}})
+      text += name + std::string(" ") + std::to_string(p) + " " + std::to_string(100 * (x - centre) / depth) + " " +
+              std::to_string(100 * y / depth) + "\n";
+  }
+  ASSERT_TRUE(write_file(file, text));
+  const Outcome outcome =
+      collinea_with({"triplet", file, "--principal-distance", "100", "--sigma", "0.001", "--base-m", "100", "-o", out});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("2 of 16 combinations are acceptable"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("base_ratio  0.800"), std::string::npos) << outcome.out;
+  EXPECT_NE(read_file(std::filesystem::path(out) / "combinations.txt").value_or("").find("1D"), std::string::npos);
+  EXPECT_EQ(collinea_with({"triplet", file}).code, 2);  // no principal distance
+}
+
+// Four rolled images of a camera with c = 1000 px around twelve points: exact measurements calibrate it.
+TEST(Commands, FactoriseFindsTheCamera) {
+  const TestFolder folder;
+  const std::string file = (folder / "m.txt").string(), out = (folder / "out").string();
+  std::string text = "image point x[px] y[px]\n";
+  const OmegaPhiKappa attitudes[] = {{0, 0, 0}, {3, 25, 60}, {-22, -8, -75}, {18, -20, 120}};
+  for (int i = 0; i < 4; ++i)
+    for (int p = 0; p < 12; ++p) {
+      const Eigen::Quaterniond rotation = cam_from_world(attitudes[i]);
+      const Eigen::Vector3d point(p % 3 - 1.0, (p / 3) * 0.6 - 0.9, 0.3 * ((7 * p) % 5) - 0.6);
+      const Eigen::Vector3d seen = rotation * point + Eigen::Vector3d(0, 0, 6 + 0.4 * i);
+      text += std::to_string(i) + " " + std::to_string(p) + " " + std::to_string(1000 * seen.x() / seen.z() + 640) +
+              " " + std::to_string(1000 * seen.y() / seen.z() + 480) + "\n";
+    }
+  ASSERT_TRUE(write_file(file, text));
+  const Outcome outcome = collinea_with({"factorise", file, "--principal-distance", "1000", "--principal-point",
+                                         "640,480", "--sigma", "0.01", "--calibration", "focal", "-o", out});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("c_x   1000.0"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("calibrated path"), std::string::npos);
+  EXPECT_NE(read_file(std::filesystem::path(out) / "interior.txt").value_or("").find("c_x"), std::string::npos);
+  EXPECT_EQ(collinea_with({"factorise", (folder / "none").string()}).code, 3);
+}
+
+TEST(Commands, CollinearityAndRefractionReadAndWriteTables) {
+  const TestFolder folder;
+  const std::string points = (folder / "p.txt").string(), images = (folder / "i.txt").string(),
+                    measured = (folder / "m.txt").string(), out = (folder / "out").string();
+  ASSERT_TRUE(write_file(points, "point latitude[deg] longitude[deg] H[m] N[m]\n1 48.2 15.6 250 45\n"));
+  ASSERT_TRUE(write_file(images,
+                         "image latitude[deg] longitude[deg] h[m] omega[deg] phi[deg] kappa[deg]\nA 48.2 15.6 1295 "
+                         "0 0 0\n"));
+  const Outcome seen = collinea_with(
+      {"collinearity", points, images, "--principal-distance-mm", "100", "--refraction", "atmosphere", "-o", out});
+  ASSERT_EQ(seen.code, 0) << seen.err;
+  EXPECT_NE(seen.out.find("1000.000"), std::string::npos) << seen.out;
+  EXPECT_NE(read_file(std::filesystem::path(out) / "derivatives.txt").value_or("").find("latitude0"),
+            std::string::npos);
+  EXPECT_EQ(collinea_with({"collinearity", points, images}).code, 2);
+  ASSERT_TRUE(write_file(measured, "point x[mm] y[mm]\n1 100 0\n"));
+  const Outcome refraction = collinea_with({"refraction", measured, "--principal-distance", "150", "--camera-height-m",
+                                            "3000", "--refraction", "coefficient", "-o", out});
+  ASSERT_EQ(refraction.code, 0) << refraction.err;
+  EXPECT_NE(refraction.out.find("4.4162"), std::string::npos) << refraction.out;  // Mussio D.8 [um]
+  EXPECT_NE(read_file(std::filesystem::path(out) / "refraction.txt").value_or("").find("99.995584"), std::string::npos);
+  EXPECT_EQ(collinea_with({"refraction", measured, "--principal-distance", "150"}).code, 2);  // no height
 }
 
 }  // namespace

@@ -79,6 +79,32 @@ TEST(RefractionK, SigmaFollowsTheDerivatives) {
   EXPECT_NEAR(refraction_by_atmosphere(s, c, h, 0, 0, 30).sigma, 30 * std::abs(a_h), 1e-12);
 }
 
+// On a level image the shift is the radial one; on a tilted image it is where the level one has it.
+TEST(RefractionK, TiltedImagesAreComputedOnTheLevelOne) {
+  const RefractionHeights heights{3200, 200, 20};
+  for (const bool by_atmosphere : {false, true}) {
+    const RefractionModel model{by_atmosphere};
+    const Eigen::Vector2d xy(60, -80);
+    const ImageRefraction level = refraction_in_image(xy, 150, {}, heights, model, 0.01);
+    const RadialRefraction radial = by_atmosphere ? refraction_by_atmosphere(100, 150, 3200, 200, 0.01, 20)
+                                                  : refraction_by_coefficient(100, 150, 3000, 0.01, 20);
+    EXPECT_LT((level.shift - radial.shift * xy / 100).norm(), 1e-12);
+    EXPECT_LT((level.sigma - radial.sigma * xy.cwiseAbs() / 100).norm(), 1e-9);
+    // A ray at the same angle from the nadir turns by the same angle, whatever the attitude of the image.
+    const CardanAngles angles{0.3, -0.2, 0.7};
+    const Eigen::Matrix3d r = rotation_matrix(angles);
+    const Eigen::Vector3d straight = r * Eigen::Vector3d(60, -80, -150),
+                          seen_level(xy.x() + level.shift.x(), xy.y() + level.shift.y(), -150);
+    const Eigen::Vector2d in_tilted = -150 * straight.head<2>() / straight.z();
+    const ImageRefraction tilted = refraction_in_image(in_tilted, 150, angles, heights, model);
+    const Eigen::Vector3d seen = r * seen_level;
+    EXPECT_LT((in_tilted + tilted.shift + 150 * seen.head<2>() / seen.z()).norm(), 1e-12);
+    EXPECT_NEAR(tilted.angle_rad, std::atan(100.0 / 150), 1e-12);
+  }
+  EXPECT_TRUE(refraction_in_image({0, 0}, 150, {}, heights, {}).shift.isZero(0));                // the nadir
+  EXPECT_TRUE(refraction_in_image({0, 0}, 150, {M_PI / 2, 0, 0}, heights, {}).shift.isZero(0));  // the horizon
+}
+
 // At 3 km both agree within a fifth; at 10 km the constant K is too large, because the air thins out.
 TEST(RefractionK, StandsBesideTheStandardAtmosphere) {
   const double low =

@@ -3,9 +3,11 @@
 
 #include <proj.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "collinea/geodesy/internal/map_projection.h"
+#include "collinea/geodesy/local_frame.h"
 
 namespace collinea {
 namespace {
@@ -62,6 +64,16 @@ Result<std::string> with_heights(const std::string& crs, const HeightsFrom& from
                     "\": no such file. Give ellipsoidal, a vertical CRS such as EPSG:5773, or the file "
                     "of a geoid grid (GTX or GeoTIFF)");
   return plan + std::string(kGeoidMark) + file.string();
+}
+
+Result<double> undulation_m(const HeightsFrom& heights, double latitude_deg, double longitude_deg) {
+  if (heights.word() == HeightSurface::kEllipsoid) return 0.0;
+  COLLINEA_TRY(const std::string crs, with_heights(utm_crs(latitude_deg, longitude_deg), heights));
+  COLLINEA_TRY(const LocalFrame frame, LocalFrame::create(crs, latitude_deg, longitude_deg, 0));
+  const double height = frame.map_from_local(Eigen::Vector3d::Zero()).z();
+  if (!std::isfinite(height))
+    return fail(Errc::kBadInput, "the geoid \"" + heights.text() + "\" does not reach the position");
+  return -height;
 }
 
 Result<bool> states_heights(const std::string& crs) {

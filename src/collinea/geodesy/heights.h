@@ -21,6 +21,10 @@ using HeightsFrom = WordOr<HeightSurface, std::string>;
 /// "EPSG:32633+geoid:/data/geoid.gtx". Errors: a CRS that is none, no vertical CRS, a file that is not there.
 [[nodiscard]] Result<std::string> with_heights(const std::string& crs, const HeightsFrom& heights);
 
+/// The height of that surface over the ellipsoid of WGS84 at a position, N of h = H + N (Mussio 1.3.7): 0 of the
+/// ellipsoid. Errors: as LocalFrame::create(); a position that the grid of the geoid does not reach.
+[[nodiscard]] Result<double> undulation_m(const HeightsFrom& heights, double latitude_deg, double longitude_deg);
+
 /// True when a CRS says what its heights are; those of others are ellipsoidal.
 [[nodiscard]] Result<bool> states_heights(const std::string& crs);
 

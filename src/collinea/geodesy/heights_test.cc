@@ -48,6 +48,16 @@ TEST_F(GeoidFile, ItsHeightsAreTakenOffThoseOverTheEllipsoid) {
   EXPECT_FALSE(frame->wkt1().empty());
 }
 
+TEST_F(GeoidFile, ItsUndulationIsThatOfTheGrid) {
+  for (const auto& [latitude, longitude] : {std::pair(48.2, 15.6), {47.3, 14.2}}) {
+    const auto undulation = undulation_m(geoid(), latitude, longitude);
+    ASSERT_TRUE(undulation) << undulation.error().message;
+    EXPECT_NEAR(*undulation, test_geoid_m(latitude, longitude), 1e-4);
+  }
+  EXPECT_EQ(undulation_m(HeightSurface::kEllipsoid, 48, 15).value(), 0);
+  EXPECT_FALSE(undulation_m(geoid(), 52, 15));
+}
+
 TEST_F(GeoidFile, HeightsOfACompoundCrsAreReplaced) {
   EXPECT_EQ(with_heights("EPSG:32633+5773", "ellipsoidal").value(), "EPSG:32633");
   EXPECT_EQ(with_heights("EPSG:32633", "ellipsoidal").value(), "EPSG:32633");

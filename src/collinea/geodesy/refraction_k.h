@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
+
+#include "collinea/geometry/rotation_angles.h"
+
 namespace collinea {
 
 /// The refraction coefficient of temperate latitudes is 0.13 to 0.15 (Mussio 2.5.1).
@@ -24,5 +28,29 @@ struct RadialRefraction {
 [[nodiscard]] RadialRefraction refraction_by_atmosphere(double radial_distance, double principal_distance,
                                                         double camera_height_m, double ground_height_m,
                                                         double sigma_radial = 0, double sigma_height_m = 0);
+
+/// By which air refraction is computed.
+struct RefractionModel {
+  bool by_atmosphere = true;  ///< refraction_by_atmosphere(); otherwise refraction_by_coefficient()
+  double coefficient = kUsualRefractionCoefficient;
+};
+/// Camera and ground, heights above the sea, and what is known of them.
+struct RefractionHeights {
+  double camera_m = 0, ground_m = 0;
+  double sigma_difference_m = 0;  ///< of the height of the camera over the ground
+};
+/// The shift by refraction in an image of any attitude.
+struct ImageRefraction {
+  Eigen::Vector2d shift = Eigen::Vector2d::Zero();  ///< seen less straight, in the unit of the coordinates
+  Eigen::Vector2d sigma = Eigen::Vector2d::Zero();  ///< along it
+  double angle_rad = 0;                             ///< of the ray from the nadir
+};
+/// Coordinates (x right, y up, about the principal point) are brought to the level image at the same centre, shifted
+/// there radially from the nadir and brought back (Mussio 2.5.2: strongly tilted images are computed on an ideally
+/// horizontal one). The angles are against east, north and up. Zero for a ray at or above the horizon (89 degrees from
+/// the nadir and more).
+[[nodiscard]] ImageRefraction refraction_in_image(const Eigen::Vector2d& xy, double principal_distance,
+                                                  const CardanAngles& angles, const RefractionHeights& heights,
+                                                  const RefractionModel& model, double sigma_coordinate = 0);
 
 }  // namespace collinea

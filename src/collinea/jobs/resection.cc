@@ -312,7 +312,7 @@ std::optional<Elements> elements_of(const Eigen::Matrix<double, 3, 4>& matrix, b
   const auto parts = decomposed(matrix);
   if (!parts) return std::nullopt;
   const Matrix3d& k = parts->calibration;
-  const double angle = std::atan2(k(0, 0), -k(0, 1));  // K(0,1) = -c_x cot(angle)
+  const double skew = y_up ? -k(0, 1) : k(0, 1), angle = std::atan2(k(0, 0), -skew);  // K(0,1) = -c_x cot(angle)
   const OmegaPhiKappa angles = omega_phi_kappa(parts->cam_from_object.rotation);
   Elements out;
   out << k(0, 0), k(1, 1) * std::sin(angle), angle * kDegrees, k(0, 2), y_up ? -k(1, 2) : k(1, 2),
@@ -352,6 +352,41 @@ void add_matrix(const ProjectionFit& fit, double factor, ResectionReport::Image&
   }
 }
 
+// M taken apart in the axes of the table: with F = diag(1, -1, 1) of an image with y up and G = diag(1, -1, -1) of its
+// space F M = (F K G) (G [R | t]), whose K has -c in its diagonal after division by its corner.
+std::optional<ResectionReport::MatrixParts> parts_of(const ProjectionFit& fit, double factor, bool y_up) {
+  const auto found = decomposed(fit.matrix);
+  const auto centre = projection_centre(fit.matrix);
+  if (!found || !centre) return std::nullopt;
+  const Vector3d image_axes(1, y_up ? -1 : 1, 1), space_axes(1, y_up ? -1 : 1, y_up ? -1 : 1);
+  ResectionReport::MatrixParts parts;
+  parts.calibration = image_axes.asDiagonal() * found->calibration * space_axes.asDiagonal();
+  parts.calibration /= parts.calibration(2, 2);
+  parts.rotation = space_axes.asDiagonal() * found->cam_from_object.rotation.toRotationMatrix();
+  parts.translation = space_axes.cwiseProduct(found->cam_from_object.translation);
+  parts.centre = *centre;
+  // The ray of the principal point is the third row of R.
+  const auto axis_of = [](const Eigen::Matrix<double, 3, 4>& matrix) -> Vector3d {
+    const Vector3d third = matrix.row(2).head<3>().transpose();
+    return (matrix.leftCols<3>().determinant() > 0 ? third : Vector3d(-third)).normalized();
+  };
+  const Eigen::Matrix<double, 3, 4> matrix = fit.matrix;
+  parts.axis = axis_of(matrix);
+  // Derivative of the unit vector of the row's first three elements.
+  const double length = matrix.row(2).head<3>().norm();
+  const Matrix3d by = (Matrix3d::Identity() - parts.axis * parts.axis.transpose()) / length;
+  parts.sigma_axis =
+      factor * (by * fit.covariance.block<3, 3>(8, 8) * by.transpose()).diagonal().cwiseMax(0).cwiseSqrt();
+  return parts;
+}
+
+// The ray of an image point away from the camera, whatever the sign of the matrix.
+std::optional<Vector3d> ray_from_centre(const Eigen::Matrix<double, 3, 4>& matrix, const Vector2d& pixel) {
+  auto ray = ray_of(matrix, pixel);
+  if (ray && matrix.leftCols<3>().determinant() < 0) *ray = -*ray;
+  return ray;
+}
+
 void add_space(const ProjectionFit& fit, double factor, const PhotoFrame& frame, const std::string& unit,
                ResectionReport::Image& image) {
   const auto elements = elements_of(fit.matrix, frame.y_up);
@@ -366,6 +401,7 @@ void add_space(const ProjectionFit& fit, double factor, const PhotoFrame& frame,
     image.exterior.push_back(
         {exterior[std::size_t(k)], k < 3 ? "m" : "deg", (*elements)[5 + k], std::sqrt(covariance(5 + k, 5 + k))});
   image.covariance = covariance.bottomRightCorner<6, 6>();
+  image.parts = parts_of(fit, factor, frame.y_up);
 }
 
 void add_plane(const ProjectionFit& fit, const ResectOneOptions& options, const PhotoFrame& frame,
@@ -425,9 +461,11 @@ Result<ResectionReport> by_transformation(const Tables& tables, const ResectOneO
   else
     add_space(*fit, factor, frame, tables.unit, image);
   report.images.push_back(std::move(image));
-  for (std::size_t i = 0; i < used.size(); ++i)
+  for (std::size_t i = 0; i < used.size(); ++i) {
     report.marks.push_back({used[i]->image, used[i]->point, in_table(frame, fit->misfits[i]), fit->redundancies[i],
                             in_table(frame, fit->w[i]) / factor});
+    if (!is_plane) report.marks.back().ray = ray_from_centre(fit->matrix, frame.pixel(used[i]->xy));
+  }
   return report;
 }
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "collinea/base/file.h"
 #include "collinea/base/source_tree.h"
 #include "collinea/base/test_folder.h"
+#include "collinea/geometry/rotation_angles.h"
 #include "collinea/io/text.h"
 #include "collinea/jobs/intersection.h"
 #include "collinea/jobs/resection.h"
@@ -62,6 +64,64 @@ TEST_F(SingleImage, VerticalPhotographInEveryWay) {
     EXPECT_NE(resection_text(*report).find("omega"), std::string::npos);
     EXPECT_GE(resection_tables(*report).size(), 2u);
   }
+}
+
+// The matrix taken apart gives the measurements back, and rays that meet the points, in photographs and in pixels; axes
+// that are not square to each other are found as they are.
+TEST_F(SingleImage, TheMatrixOfTheDltIsTakenApart) {
+  const Eigen::Matrix3d r = rotation_matrix(CardanAngles{0.1, -0.2, 0.6});
+  const Eigen::Vector3d centre(20, -30, 900);
+  Eigen::Matrix3d k;  // c_x = 150 mm, axes at 89 degrees, principal point 2, -3
+  k << -150, 150 * std::tan(M_PI / 180), 2, 0, -151, -3, 0, 0, 1;
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 9; ++i) points.emplace_back(180 * (i % 3) - 150, 200 * (i / 3) - 220, 40 * ((5 * i) % 4));
+  for (const bool in_mm : {true, false}) {
+    std::string measurements = in_mm ? "point x[mm] y[mm]\n" : "point x[px] y[px]\n", ground = "point X Y Z\n";
+    std::vector<Eigen::Vector2d> seen;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      Eigen::Vector2d xy = (k * r * (points[i] - centre)).eval().hnormalized();
+      if (!in_mm) xy.y() = -xy.y();
+      seen.push_back(xy);
+      measurements += std::to_string(i) + " " + exact(xy.x()) + " " + exact(xy.y()) + "\n";
+      ground += std::to_string(i) + " " + exact(points[i].x()) + " " + exact(points[i].y()) + " " +
+                exact(points[i].z()) + "\n";
+    }
+    ResectOneOptions options;
+    options.method = ResectionMethod::kDlt;
+    const auto report = resect_from_tables(file("m.txt", measurements), file("g.txt", ground), options);
+    ASSERT_TRUE(report) << report.error().message;
+    const ResectionReport::Image& image = report->images[0];
+    ASSERT_TRUE(image.parts);
+    EXPECT_LT((image.parts->centre - centre).norm(), 1e-4);
+    if (in_mm) {
+      EXPECT_LT((image.parts->calibration - k).norm(), 1e-4) << image.parts->calibration;
+      EXPECT_LT((image.parts->rotation - r).norm(), 1e-7);
+      EXPECT_LT((image.parts->axis + r.row(2).transpose()).norm(), 1e-7);  // z of a photograph points backwards
+    }
+    EXPECT_GT(image.parts->rotation.determinant(), 0.999);
+    EXPECT_NEAR(value_of(image.interior, "axes"), in_mm ? 89 : 91, 1e-5);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Eigen::Vector3d h =
+          image.parts->calibration * (image.parts->rotation * points[i] + image.parts->translation);
+      EXPECT_LT((h.hnormalized() - seen[i]).norm(), 1e-7);
+      ASSERT_TRUE(report->marks[i].ray);
+      EXPECT_NEAR(report->marks[i].ray->dot((points[i] - centre).normalized()), 1, 1e-12);
+    }
+    const std::string text = resection_text(*report);
+    EXPECT_NE(text.find("the matrix taken apart"), std::string::npos) << text;
+    EXPECT_EQ(resection_tables(*report).back().name, "rays.txt");
+  }
+}
+
+TEST_F(SingleImage, TwoImagesAtOnceAreADoubleImageResection) {
+  std::string measurements = kVertical;
+  for (const std::string_view line : lines_of(kVertical))
+    if (line.starts_with("A ")) measurements += "B" + std::string(line.substr(1)) + "\n";
+  ResectOneOptions options;
+  options.photo.principal_distance = 150;
+  const auto report = resect_from_tables(file("m.txt", measurements), file("g.txt", kVerticalGround), options);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(resection_text(*report).find("double-image resection by collinearity"), 0u) << resection_text(*report);
 }
 
 TEST_F(SingleImage, PlaneOfEightParameters) {

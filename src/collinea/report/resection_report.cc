@@ -98,6 +98,37 @@ std::string geometry_text(const ResectionReport::Image& image, bool is_station) 
   return text;
 }
 
+std::string row_text(const char* name, const Eigen::RowVector3d& values, int decimals) {
+  return fmt::format("  {:<4}{:>18}{:>18}{:>18}\n", name, decimal_text(values[0], decimals),
+                     decimal_text(values[1], decimals), decimal_text(values[2], decimals));
+}
+
+// M = K [R | t] with its centre and its optical axis (Bolognesi 2.2, 2.3.3.2).
+std::string parts_text(const ResectionReport::MatrixParts& parts, const std::string& unit) {
+  std::string text =
+      fmt::format("the matrix taken apart, (x, y, 1) ~ K (R X + t); K in {}, t and C in m, axes of the image {}:\n",
+                  unit, unit == "px" ? "x right, y down, z forward" : "x right, y up, z backwards");
+  for (int row = 0; row < 3; ++row) text += row_text(row ? "" : "K", parts.calibration.row(row), 5);
+  for (int row = 0; row < 3; ++row) text += row_text(row ? "" : "R", parts.rotation.row(row), 9);
+  text += row_text("t", parts.translation.transpose(), 5);
+  text += row_text("C", parts.centre.transpose(), 5);
+  text += row_text("axis", parts.axis.transpose(), 9);
+  return text + row_text("+-", parts.sigma_axis.transpose(), 9);
+}
+
+TextTable rays_table(const ResectionReport& report) {
+  TextTable table;
+  table.remarks = {"rays of the measured points, of unit length, from the projection centre"};
+  table.columns = {{"image", ""}, {"point", ""}, {"ray_X", ""}, {"ray_Y", ""}, {"ray_Z", ""}};
+  for (const ResectionReport::Mark& mark : report.marks) {
+    if (!mark.ray) continue;
+    std::vector<std::string> row{mark.image, mark.point};
+    for (const double value : *mark.ray) row.push_back(decimal_text(value, 9));
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
 std::string image_text(const ResectionReport& report, const ResectionReport::Image& image) {
   std::string text = fmt::format("{}{}, {}:\n", report.is_station() ? "" : "image ", image.name,
                                  counted_text(image.points, report.is_station() ? "direction" : "point"));
@@ -108,6 +139,7 @@ std::string image_text(const ResectionReport& report, const ResectionReport::Ima
   if (!image.is_determined) text += "no pose follows without the principal distance\n";
   if (!image.interior.empty()) text += "interior orientation:\n" + estimates_text(image.interior);
   if (!image.elements.empty()) text += "elements of the transformation:\n" + estimates_text(image.elements);
+  if (image.parts) text += parts_text(*image.parts, report.unit);
   if (image.covariance.size()) text += correlations_text(image.exterior, image.covariance, 0.8);
   if (image.solutions.size() > 1) {
     text += fmt::format("three points have {} poses; taken is the first{}:\n", image.solutions.size(),
@@ -125,6 +157,9 @@ std::string image_text(const ResectionReport& report, const ResectionReport::Ima
 std::string method_text(const ResectionReport& report) {
   switch (report.kind) {
     case ResectionReport::Kind::kCollinearity:
+      if (report.images.size() == 2)
+        return fmt::format("double-image resection by collinearity: both images at once, {} iterations",
+                           report.iterations);
       return fmt::format("space resection by collinearity, {}{}, {} iterations",
                          counted_text(report.images.size(), "image"), report.images.size() == 1 ? "" : " at once",
                          report.iterations);
@@ -173,6 +208,7 @@ std::vector<NamedTable> resection_tables(const ResectionReport& report) {
   if (report.images.size() == 1 && report.images[0].covariance.size())
     tables.push_back({"correlations.txt", correlations_table(report.images[0].exterior, report.images[0].covariance)});
   if (!report.tie_points.empty()) tables.push_back({"points.txt", points_table(report)});
+  if (TextTable rays = rays_table(report); !rays.rows.empty()) tables.push_back({"rays.txt", std::move(rays)});
   return tables;
 }
 

@@ -14,6 +14,15 @@ namespace collinea {
 /// A resection of one image or more, or of a station in the plane, and what its points say of it.
 struct ResectionReport {
   enum class Kind { kCollinearity, kDlt, kPlane, kStation };
+  /// A projection matrix taken apart, (x, y, 1) ~ K (R X + t) with R of omega, phi and kappa in the axes of the table:
+  /// of pixels x right, y down, z forward; of photographs x right, y up, z backwards with K(0,0), K(1,1) = -c.
+  struct MatrixParts {
+    Eigen::Matrix3d calibration, rotation;
+    Eigen::Vector3d translation;  ///< [m]
+    Eigen::Vector3d centre;       ///< M (C, 1) = 0
+    Eigen::Vector3d axis;         ///< ray of the principal point, of unit length
+    Eigen::Vector3d sigma_axis;   ///< of its components
+  };
   struct Image {
     std::string name;
     std::size_t points = 0;
@@ -21,6 +30,7 @@ struct ResectionReport {
     Eigen::MatrixXd covariance;                    ///< of it, in its units; empty without
     std::vector<Estimate> interior;                ///< by the direct linear transformation
     std::vector<Estimate> elements;                ///< its parameters
+    std::optional<MatrixParts> parts;              ///< by the direct linear transformation in space
     std::vector<std::vector<Estimate>> solutions;  ///< all poses of three points
     std::optional<PoseConditioning> conditioning;
     std::optional<DangerCylinder> danger;  ///< in the plane: the circle
@@ -31,6 +41,8 @@ struct ResectionReport {
     std::string image, point;
     Eigen::Vector2d misfit, redundancy, w;  ///< in the table's axes; w by VarianceTest::factor()
     bool is_rejected = false;
+    /// Direct linear transformation in space: the unit direction of the measured ray from the projection centre.
+    std::optional<Eigen::Vector3d> ray = {};
   };
   struct Point {
     std::string name;
@@ -48,7 +60,7 @@ struct ResectionReport {
 };
 
 [[nodiscard]] std::string resection_text(const ResectionReport& report);
-/// orientation, correlations (of one image), residuals, points.
+/// orientation, correlations (of one image), residuals, points; of a matrix rays.
 [[nodiscard]] std::vector<NamedTable> resection_tables(const ResectionReport& report);
 
 }  // namespace collinea
