@@ -39,21 +39,33 @@ bool is_drawn(MarkKind kind, const Vector2d& at, double size, double line) {
   return false;
 }
 
-// Shares of lattice cells that the drawing covers.
+// Shares of lattice cells that the drawing covers. Cells whose corners and middle agree lie within or without: no line
+// is narrower than two cells.
 FloatImage coverage(MarkKind kind, double size, double line, double inwards, int half_cells) {
   const int width = 2 * half_cells + 1;
-  constexpr int kFiner = 5;
+  constexpr int kFiner = 16;
   FloatImage image(width, width);
   const double c = std::cos(inwards), s = std::sin(inwards);
+  const auto is_bright = [&](double x, double y) {
+    const double u = kSpacing * (x - half_cells - 0.5), v = kSpacing * (y - half_cells - 0.5);
+    return is_drawn(kind, {c * u + s * v, -s * u + c * v}, size, line);
+  };
+  const bool has_wide_lines = line >= 2 * kSpacing;
   for (int y = 0; y < width; ++y)
     for (int x = 0; x < width; ++x) {
+      const int agree = is_bright(x, y) + is_bright(x + 1, y) + is_bright(x, y + 1) + is_bright(x + 1, y + 1) +
+                        is_bright(x + 0.5, y + 0.5);
+      if (has_wide_lines && agree % 5 == 0) {
+        image.at(x, y) = agree == 0 ? 0.0F : 1.0F;
+        continue;
+      }
       int drawn = 0;
       for (int k = 0; k < kFiner * kFiner; ++k) {
-        // A lattice that is turned: edges along the cells or their diagonals cross it at 25 positions, not at five.
+        // A lattice that is turned: edges along the cells or their diagonals cross it at 256 positions, not at 16; and
+        // of an even number, so that edges through the middle of the mark meet none of its points.
         const double i = k % kFiner + 0.5, j = k / kFiner + 0.5;
-        const double u = kSpacing * (x - half_cells - 0.5 + (i + (j - kFiner / 2.0) / kFiner) / kFiner);
-        const double v = kSpacing * (y - half_cells - 0.5 + (j - (i - kFiner / 2.0) / kFiner) / kFiner);
-        drawn += is_drawn(kind, {c * u + s * v, -s * u + c * v}, size, line);
+        drawn +=
+            is_bright(x + (i + (j - kFiner / 2.0) / kFiner) / kFiner, y + (j - (i - kFiner / 2.0) / kFiner) / kFiner);
       }
       image.at(x, y) = float(drawn) / float(kFiner * kFiner);
     }
