@@ -8,7 +8,7 @@
 // Prints of each kind how many were found, the error in a coordinate (RMS), the largest error of a position, how many
 // are farther off than 0.1 px and how many their covariances let expect, chi-squared of errors over covariances for a
 // degree of freedom, and the share within the 95 % ellipse; then the affine parameters of the film, likewise. Exit code
-// 1: a mark that is missing or farther off than 0.1 px (cross, dot, ring) or 0.15 px (corner, notch).
+// 1: a mark that is missing or farther off than 0.1 px.
 #include <fmt/core.h>
 
 #include <Eigen/LU>
@@ -146,7 +146,7 @@ int main(int argc, char** argv) {
     fmt::print("{:<8}{:>8}{:>7}{:>10.4f}{:>14.4f}{:>10}{:>10.1f}{:>13.2f}{:>13.1f}\n", word_of(kKinds[k]), t.wanted,
                t.found, std::sqrt(t.squares / (2 * n)), t.largest, t.beyond, t.expected_beyond, t.chi2 / (2 * n),
                100.0 * t.within / n);
-    is_good &= t.found == t.wanted && t.largest <= (k < 3 ? kBound_px : 0.15);
+    is_good &= t.found == t.wanted && t.beyond == 0;
   }
   fmt::print("\nfilm, {} scans                      chi2/degree  in 95 % [%]\n", all.count);
   all.print("all six affine parameters");

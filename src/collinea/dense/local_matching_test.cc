@@ -64,7 +64,7 @@ TEST(LocalMatching, EveryCostFindsAStep) {
     ASSERT_TRUE(map) << map.error().message;
     const DisparityErrors e = errors_of(pair, *map);
     EXPECT_GT(e.measured, 0.9 * e.possible) << word;
-    EXPECT_LT(e.bad, 250) << word;  // measured: 56 (census) to 147 (ncc)
+    EXPECT_LT(e.bad, 180) << word;  // measured: 56 (census) to 147 (ncc)
     int before = 0, behind = 0;     // farther from the edges than a window reaches
     for (int y = 40; y < 80; ++y) {
       for (int x = 85; x < 125; ++x) before += std::abs(map->disparity.at(x, y) - 24) < 0.5f;
@@ -239,9 +239,9 @@ TEST(LocalMatching, SigmasAreTheErrors) {
       const DisparityErrors e = errors_of(pair, *map);
       if (similarity != Similarity::kSad) {
         EXPECT_NEAR(e.in_sigmas, 1, 0.18) << word_of(similarity) << noise;
-      } else if (noise > 4) {  // measured: 0.88 and 0.85
-        EXPECT_LT(e.in_sigmas, 1.05) << noise;
-        EXPECT_GT(e.in_sigmas, 0.7) << noise;
+      } else {  // measured: 1.20, 0.88 and 0.85: with little noise the parabola's own error shows
+        EXPECT_LT(e.in_sigmas, noise > 4 ? 1.05 : 1.3) << noise;
+        EXPECT_GT(e.in_sigmas, noise > 4 ? 0.7 : 1) << noise;
       }
     }
 }

@@ -57,10 +57,7 @@ Linearised linearised(const ImageBundles& at, const BundleMark& mark) {
 // Columns: free parameters; rows: 6 of each image and 5 of the calibration. The datum and what is known have none.
 MatrixXd free_parameters(const ImageBundles& at, CalibrationUnknowns unknowns, std::size_t unit_base) {
   const auto images = static_cast<Index>(at.cam_from_model.size()), scale = static_cast<Index>(unit_base);
-  const Index of_calibration = unknowns == CalibrationUnknowns::kNone         ? 0
-                               : unknowns == CalibrationUnknowns::kFocal      ? 1
-                               : unknowns == CalibrationUnknowns::kFocalPoint ? 3
-                                                                              : 5;
+  const Index of_calibration = count_of(unknowns);
   MatrixXd map = MatrixXd::Zero(6 * images + kCalibration, 6 * (images - 1) - 1 + of_calibration);
   Index column = 0;
   for (Index i = 1; i < images; ++i) {
@@ -226,6 +223,20 @@ Result<> check(const ImageBundles& start, std::span<const BundleMark> marks, Cal
 }
 
 }  // namespace
+
+int count_of(CalibrationUnknowns unknowns) {
+  switch (unknowns) {
+    case CalibrationUnknowns::kNone:
+      return 0;
+    case CalibrationUnknowns::kFocal:
+      return 1;
+    case CalibrationUnknowns::kFocalPoint:
+      return 3;
+    case CalibrationUnknowns::kAll:
+      break;
+  }
+  return 5;
+}
 
 Result<AdjustedBundles> adjust_bundles(const ImageBundles& start, std::span<const BundleMark> marks,
                                        CalibrationUnknowns unknowns, std::size_t unit_base) {

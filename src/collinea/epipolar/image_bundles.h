@@ -31,6 +31,9 @@ inline constexpr Word<CalibrationUnknowns> kCalibrationUnknownsWords[] = {
   return kCalibrationUnknownsWords;
 }
 
+/// How many they are: 0, 1, 3 or 5.
+[[nodiscard]] int count_of(CalibrationUnknowns unknowns);
+
 /// The bundles of a few images and their points, before the adjustment and after it.
 struct ImageBundles {
   Eigen::Matrix3d calibration = Eigen::Matrix3d::Identity();

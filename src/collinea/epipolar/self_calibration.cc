@@ -63,20 +63,6 @@ VectorXd least_squares(VectorXd at, const std::function<VectorXd(const VectorXd&
   return at;
 }
 
-Index count_of(CalibrationUnknowns unknowns) {
-  switch (unknowns) {
-    case CalibrationUnknowns::kNone:
-      return 0;
-    case CalibrationUnknowns::kFocal:
-      return 1;
-    case CalibrationUnknowns::kFocalPoint:
-      return 3;
-    case CalibrationUnknowns::kAll:
-      break;
-  }
-  return 5;
-}
-
 // Unknowns of K: log of the principal distance, principal point over it, log of the ratio of axes, skew over it.
 Matrix3d calibration_by(const Matrix3d& start, const VectorXd& change) {
   Matrix3d k = start;

@@ -16,6 +16,7 @@
 #include "collinea/io/text_table.h"
 #include "collinea/jobs/internal/image_marks.h"
 #include "collinea/jobs/internal/pose_estimates.h"
+#include "collinea/math/median.h"
 
 namespace collinea {
 namespace {
@@ -176,9 +177,7 @@ double focal_of(const std::vector<PairFundamental>& pairs, double otherwise) {
   std::vector<double> focals;
   for (const PairFundamental& pair : pairs)
     if (pair.focal) focals.push_back(*pair.focal);
-  if (focals.empty()) return otherwise;
-  std::nth_element(focals.begin(), focals.begin() + static_cast<std::ptrdiff_t>(focals.size() / 2), focals.end());
-  return focals[focals.size() / 2];
+  return focals.empty() ? otherwise : median(std::move(focals));
 }
 
 Matrix3d calibration_by(double focal, const Vector2d& principal_point) {

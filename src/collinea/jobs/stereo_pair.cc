@@ -298,6 +298,7 @@ Result<StereoReport> match_stereo(const std::string& left, const std::string& ri
     return write_png(folder / "disparity.png", coloured(map.disparity));
   }();
   if (!written) return tl::unexpected(written.error());
+  fs::remove(folder / "cloud.ply", error);  // of an earlier run
   StereoReport report = report_of(ready, range, options, found);
   if (ready.cameras) {
     std::size_t points = 0;

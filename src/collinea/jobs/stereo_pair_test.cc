@@ -95,6 +95,11 @@ TEST(StereoPair, RectifiedImagesGiveDisparitiesAndACloudWhereTheCamerasAreKnown)
   pair.base_m = kBase_m;
   ASSERT_TRUE(match_stereo(photos.left, photos.right, photos.folder / "cloud", pair, {}, {}));
   expect_the_wall(photos.folder / "cloud/cloud.ply");
+  // Without cameras there is none, nor that of the run before.
+  pair.focal_px.reset();
+  pair.base_m.reset();
+  ASSERT_TRUE(match_stereo(photos.left, photos.right, photos.folder / "cloud", pair, {}, {}));
+  EXPECT_FALSE(is_there(photos.folder / "cloud/cloud.ply"));
 }
 
 double share_near_20(const std::filesystem::path& folder) {

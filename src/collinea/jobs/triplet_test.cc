@@ -72,9 +72,9 @@ TEST_F(Triplet, ExactMeasurementsGiveTheTruthByOneOfSixteen) {
   EXPECT_EQ(report->variance.redundancy, 2 * 3 * 18 - 11 - 3 * 18);
 }
 
-// Errors of 5 um over the stated sigmas: 30 seeds of the ratio of the bases, each normal.
+// Errors of 5 um over the stated sigmas: 200 seeds of the ratio of the bases, each normal.
 TEST_F(Triplet, TheRatioOfBasesHasItsStandardDeviation) {
-  constexpr int kSeeds = 30;
+  constexpr int kSeeds = 200;
   options_.sigma = 0.005;
   options_.adjustment.start = PairStart::kLinear;
   double squares = 0;

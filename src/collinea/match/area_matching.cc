@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 
+#include "collinea/match/census.h"
 #include "collinea/match/internal/area_kernels.h"
 
 namespace collinea {
@@ -142,19 +143,6 @@ FloatImage by_differences(const Cut& cut) {
     std::copy(sums.begin(), sums.end(), out.row(y));
   }
   return out;
-}
-
-// Which neighbours of a pixel are darker, a bit each, the first in the highest; beyond the border the nearest pixel.
-std::uint64_t darker_neighbours(const GreyImage& image, int column, int row, int half) {
-  std::uint64_t bits = 0;
-  const int grey = image.at(column, row);
-  for (int y = row - half; y <= row + half; ++y)
-    for (int x = column - half; x <= column + half; ++x) {
-      if (x == column && y == row) continue;
-      const int other = image.at(std::clamp(x, 0, image.width - 1), std::clamp(y, 0, image.height - 1));
-      bits = bits << 1 | std::uint64_t(other < grey);
-    }
-  return bits;
 }
 
 Raster<std::uint64_t> census_of(const GreyImage& image, int left, int top, int width, int height, int half) {

@@ -67,19 +67,10 @@ TextTable pairs_table(const FactorisationReport& report) {
   return table;
 }
 
-TextTable exterior_table(const FactorisationReport& report, const Euclidean& euclidean) {
-  TextTable table;
+TextTable images_table(const FactorisationReport& report, const Euclidean& euclidean) {
+  TextTable table = exterior_table(report.images, euclidean.exterior);
   table.remarks = {
       fmt::format("unit of length: the distance of {} from {}", report.images[report.unit_base], report.images[0])};
-  table.columns = {{"image", ""}};
-  for (const char* prefix : {"", "sigma_"})
-    for (const Estimate& e : euclidean.exterior[0]) table.columns.push_back({prefix + e.name, e.unit});
-  for (std::size_t i = 0; i < report.images.size(); ++i) {
-    std::vector<std::string> row{report.images[i]};
-    for (const Estimate& e : euclidean.exterior[i]) row.push_back(decimal_text(e.value, 8));
-    for (const Estimate& e : euclidean.exterior[i]) row.push_back(decimal_text(e.sigma.value_or(0), 8));
-    table.rows.push_back(std::move(row));
-  }
   return table;
 }
 
@@ -128,11 +119,8 @@ std::string worst_text(const FactorisationReport& report, const Euclidean& eucli
   const auto largest = [&](std::size_t k) { return euclidean.marks[k].w.cwiseAbs().maxCoeff(); };
   for (std::size_t k = 1; k < euclidean.marks.size(); ++k)
     if (largest(k) > largest(worst)) worst = k;
-  return fmt::format("{}: largest |w| {:.2f} (point {}, {}), limit {:.2f}\n",
-                     largest(worst) > euclidean.variance.limit() ? "a measurement contradicts the others"
-                                                                 : "no measurement contradicts the others",
-                     largest(worst), report.points[worst / report.images.size()],
-                     report.images[worst % report.images.size()], euclidean.variance.limit());
+  return largest_test_text(euclidean.variance, largest(worst), report.points[worst / report.images.size()],
+                           report.images[worst % report.images.size()]);
 }
 
 std::string projective_text(const FactorisationReport& report) {
@@ -222,12 +210,12 @@ std::vector<NamedTable> factorisation_tables(const FactorisationReport& report) 
   if (report.self_calibrated) {
     const Euclidean& euclidean = *report.self_calibrated;
     tables.push_back({"interior.txt", estimates_table(euclidean.interior)});
-    tables.push_back({"exterior.txt", exterior_table(report, euclidean)});
+    tables.push_back({"exterior.txt", images_table(report, euclidean)});
     tables.push_back({"model.txt", points_table(report, euclidean)});
     tables.push_back({"residuals.txt", residuals_table(report, euclidean)});
   }
   if (report.calibrated) {
-    tables.push_back({"calibrated_exterior.txt", exterior_table(report, *report.calibrated)});
+    tables.push_back({"calibrated_exterior.txt", images_table(report, *report.calibrated)});
     tables.push_back({"calibrated_model.txt", points_table(report, *report.calibrated)});
   }
   if (!report.differences.empty()) tables.push_back({"differences.txt", differences_table(report)});

@@ -98,6 +98,28 @@ double VarianceTest::limit() const {
   return sigmas_are_stated || redundancy <= 1 ? normal_limit(alpha) : tau_limit(alpha, redundancy);
 }
 
+std::string largest_test_text(const VarianceTest& test, double largest, const std::string& point,
+                              const std::string& image) {
+  return fmt::format(
+      "{}: largest |w| {:.2f} (point {}, {}), limit {:.2f}\n",
+      largest > test.limit() ? "a measurement contradicts the others" : "no measurement contradicts the others",
+      largest, point, image, test.limit());
+}
+
+TextTable exterior_table(std::span<const std::string> images, std::span<const std::vector<Estimate>> exterior) {
+  TextTable table;
+  table.columns = {{"image", ""}};
+  for (const char* prefix : {"", "sigma_"})
+    for (const Estimate& e : exterior[0]) table.columns.push_back({prefix + e.name, e.unit});
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    std::vector<std::string> row{images[i]};
+    for (const Estimate& e : exterior[i]) row.push_back(decimal_text(e.value, 8));
+    for (const Estimate& e : exterior[i]) row.push_back(decimal_text(e.sigma.value_or(0), 8));
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
 std::string variance_text(const VarianceTest& test) {
   if (test.redundancy <= 0) return "redundancy 0: nothing checks the measurements, sigmas are those assumed for them\n";
   std::string text = fmt::format("sigma0 {:.4g}, redundancy {}", test.sigma0, test.redundancy);
@@ -107,7 +129,8 @@ std::string variance_text(const VarianceTest& test) {
   if (tail < test.alpha)
     return text + fmt::format("; residuals are larger than the stated sigmas allow (chance {:.1e})\n", tail);
   if (tail > 1 - test.alpha) return text + "; residuals are smaller than the stated sigmas let expect\n";
-  return text + fmt::format("; agrees with the stated sigmas (chance of more {:.0f} %)\n", 100 * tail);
+  return text +
+         fmt::format("; agrees with the stated sigmas (chance of more {:.{}f} %)\n", 100 * tail, tail < 0.05 ? 1 : 0);
 }
 
 std::string indented_rows(const TextTable& table) {

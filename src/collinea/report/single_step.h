@@ -29,6 +29,10 @@ struct Estimate {
 /// Columns parameter, value, sigma, unit.
 [[nodiscard]] TextTable estimates_table(std::span<const Estimate> estimates);
 
+/// A row an image: its exterior orientation, and the standard deviations (0 where there are none).
+[[nodiscard]] TextTable exterior_table(std::span<const std::string> images,
+                                       std::span<const std::vector<Estimate>> exterior);
+
 /// The matrix of correlations of estimates in their order, from a covariance: those beyond `least` in words, the
 /// strongest first, at most `most`.
 [[nodiscard]] std::string correlations_text(std::span<const Estimate> estimates, const Eigen::MatrixXd& covariance,
@@ -49,6 +53,9 @@ struct VarianceTest {
   [[nodiscard]] double limit() const;
 };
 [[nodiscard]] std::string variance_text(const VarianceTest& test);
+/// The largest test of a measurement beside its limit, and whether it contradicts the others.
+[[nodiscard]] std::string largest_test_text(const VarianceTest& test, double largest, const std::string& point,
+                                            const std::string& image);
 
 /// The rows of a table indented_rows by two blanks, without remarks.
 [[nodiscard]] std::string indented_rows(const TextTable& table);

@@ -45,20 +45,6 @@ TextTable combinations_table(const TripletReport& report) {
   return table;
 }
 
-TextTable exterior_table(const TripletReport& report) {
-  TextTable table;
-  table.columns = {{"image", ""}};
-  for (const char* prefix : {"", "sigma_"})
-    for (const Estimate& e : report.images[0].exterior) table.columns.push_back({prefix + e.name, e.unit});
-  for (const TripletReport::Image& image : report.images) {
-    std::vector<std::string> row{image.name};
-    for (const Estimate& e : image.exterior) row.push_back(decimal_text(e.value, 8));
-    for (const Estimate& e : image.exterior) row.push_back(decimal_text(e.sigma.value_or(0), 8));
-    table.rows.push_back(std::move(row));
-  }
-  return table;
-}
-
 TextTable model_table(const TripletReport& report) {
   const std::string unit = unit_of(report);
   TextTable table;
@@ -122,10 +108,7 @@ std::string suspect_text(const TripletReport& report) {
   for (const TripletReport::Mark& mark : report.marks)
     if (!mark.is_rejected && (!worst || largest(mark) > largest(*worst))) worst = &mark;
   if (!worst || report.variance.redundancy <= 0) return "";
-  return fmt::format("{}: largest |w| {:.2f} (point {}, {}), limit {:.2f}\n",
-                     largest(*worst) > report.variance.limit() ? "a measurement contradicts the others"
-                                                               : "no measurement contradicts the others",
-                     largest(*worst), worst->point, worst->image, report.variance.limit());
+  return largest_test_text(report.variance, largest(*worst), worst->point, worst->image);
 }
 
 }  // namespace
@@ -148,8 +131,14 @@ std::string triplet_text(const TripletReport& report) {
 }
 
 std::vector<NamedTable> triplet_tables(const TripletReport& report) {
+  std::vector<std::string> names;
+  std::vector<std::vector<Estimate>> exterior;
+  for (const TripletReport::Image& image : report.images) {
+    names.push_back(image.name);
+    exterior.push_back(image.exterior);
+  }
   return {{"combinations.txt", combinations_table(report)},
-          {"exterior.txt", exterior_table(report)},
+          {"exterior.txt", exterior_table(names, exterior)},
           {"model.txt", model_table(report)},
           {"residuals.txt", residual_table(report)}};
 }

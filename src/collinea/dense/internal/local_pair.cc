@@ -6,23 +6,12 @@
 #include <cmath>
 
 #include "collinea/base/parallel.h"
+#include "collinea/match/census.h"
 
 namespace collinea::dense {
 namespace {
 
 constexpr int kBitsOfByte = 8;
-
-// Which neighbours of a pixel are darker, a bit each; beyond the border the nearest pixel.
-std::uint64_t darker_neighbours(const GreyImage& image, int column, int row, int reach) {
-  std::uint64_t bits = 0;
-  const int grey = image.at(column, row);
-  for (int y = row - reach; y <= row + reach; ++y) {
-    const std::uint8_t* values = image.row(std::clamp(y, 0, image.height - 1));
-    for (int x = column - reach; x <= column + reach; ++x)
-      if (x != column || y != row) bits = bits << 1 | std::uint64_t(values[std::clamp(x, 0, image.width - 1)] < grey);
-  }
-  return bits;
-}
 
 std::size_t planes_of(Similarity similarity, int neighbourhood_px) {
   if (similarity != Similarity::kCensus) return 1;
