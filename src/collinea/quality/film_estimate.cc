@@ -7,8 +7,8 @@
 namespace collinea {
 namespace {
 
-constexpr int kMostIterations = 12;
-constexpr double kSettled = 0.02;
+constexpr int kMostAdjustments = 12;
+constexpr double kUnchanged = 0.02;
 constexpr int kMostFilmUnknowns = 6000;  // of all scans: 0.3 GB of normal equations
 
 std::vector<FilmMoments> moments_of(const Block& block, const Examined& adjusted) {
@@ -84,9 +84,9 @@ Result<FilmEstimate> estimate_film(Block& block, const AdjustScope& scope, const
     if (now.sigma_is_given && now.correlation_is_given) return found;
     const Camera& camera = block.cameras.at(adjusted.camera_covariance.begin()->first);
     const FilmProcess next = likeliest_process(scans, {double(camera.width_px), double(camera.height_px)});
-    found.converged = std::abs(std::log(next.sigma_px / now.sigma_px)) < kSettled &&
-                      std::abs(std::log(next.correlation_px / now.correlation_px)) < kSettled;
-    if (found.converged || found.iterations == kMostIterations) return found;
+    found.converged = std::abs(std::log(next.sigma_px / now.sigma_px)) < kUnchanged &&
+                      std::abs(std::log(next.correlation_px / now.correlation_px)) < kUnchanged;
+    if (found.converged || found.iterations == kMostAdjustments) return found;
     for (auto& [id, one] : block.cameras)
       if (is_deformed_film(one)) {
         one.prior.film->sigma_px = next.sigma_px;
