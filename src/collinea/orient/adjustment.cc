@@ -118,7 +118,10 @@ Result<std::vector<std::string>> set_additional(const AdjustmentOptions& asked, 
       return fail(Errc::kBadInput,
                   "every scan of film has parameters of its own for its deformation, and none that all have in common",
                   {"additional"_option, {.name = "film_deformation_um", .group = "import", .value = "0"}});
-    if (camera.prior.film) continue;
+    if (camera.prior.film) {
+      if (asked.additional) camera.prior.film.reset();  // none: as if it was not deformed
+      continue;
+    }
     const auto own = task.scope.camera_sigmas.find(id);
     Camera& first = task.scope.first_cameras.try_emplace(id, camera).first->second;
     if (asked.additional) {
