@@ -34,9 +34,9 @@ def solved(matrix, right):
 
 def one_seed(asked, seed):
     folder = pathlib.Path(asked.work) / f"seed_{seed}"
-    shutil.rmtree(folder, ignore_errors=True)
     block, project = folder / "block", folder / "project"
-    folder.mkdir(parents=True)
+    shutil.rmtree(project if asked.keep else folder, ignore_errors=True)
+    folder.mkdir(parents=True, exist_ok=True)
 
     def call(*words):
         done = subprocess.run([asked.collinea, *map(str, words), "--threads", str(asked.threads), "--progress", "none"],
@@ -45,8 +45,9 @@ def one_seed(asked, seed):
             raise SystemExit(done.stdout[-2000:])
         return done.stdout
 
-    call("simulate", block, "--film", "--scan-um", asked.scan_um, "--film-local-um", asked.local_um, "--seed", seed,
-         "--control-points", asked.control)
+    if not (block / "control.csv").exists():
+        call("simulate", block, "--film", "--scan-um", asked.scan_um, "--film-local-um", asked.local_um, "--seed", seed,
+             "--control-points", asked.control)
     call("run", block / "images", "-o", project, "--film", block / "film_calibration.txt", "--control", block / "control.csv", "--until",
          "adjust")
     marks = json.loads((project / "adjustment" / "adjustment.json").read_text())["control_points"]
@@ -74,7 +75,7 @@ def main():
     parser.add_argument("--local-um", type=float, default=4)
     parser.add_argument("--control", type=int, default=12)
     parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("--keep", action="store_true")
+    parser.add_argument("--keep", action="store_true", help="leave the scans, and take those that an earlier run left")
     asked = parser.parse_args()
     print("| seed | RMS E, N, H [m] | predicted [m] | squares of error over sigma | check points within 95 % | control rejected |")
     print("|---|---|---|---|---|---|")

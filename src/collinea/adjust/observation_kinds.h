@@ -8,6 +8,7 @@
 
 #include "collinea/adjust/internal/kind_attitude.h"
 #include "collinea/adjust/internal/kind_control_coordinate.h"
+#include "collinea/adjust/internal/kind_film.h"
 #include "collinea/adjust/internal/kind_gnss_position.h"
 #include "collinea/adjust/internal/kind_prior.h"
 #include "collinea/adjust/internal/kind_vertical.h"
@@ -18,15 +19,16 @@ namespace collinea::bundle {
 
 /// All kinds of observations. A new kind is its file, an entry here and in each order below, and its table in Problem.
 using ObservationKinds =
-    std::tuple<ImagePoint, GnssPosition, Vertical, CameraPrior, AuxiliaryPrior, ControlCoordinate, Geodetic, Attitude>;
+    std::tuple<ImagePoint, GnssPosition, Vertical, CameraPrior, AuxiliaryPrior, ControlCoordinate, Geodetic, Attitude,
+               FilmDeformation>;
 
-inline constexpr std::array kEvery = {0, 1, 2, 3, 4, 5, 6, 7};
+inline constexpr std::array kEvery = {0, 1, 2, 3, 4, 5, 6, 7, 8};
 /// All beside image points, which are summed up with their points: the order in which they enter the normal equations,
 /// in which their squares are summed up to sigma0, and in which they are tested. Sums of floating point numbers depend
 /// on it.
-inline constexpr std::array kInNormals = {1, 2, 3, 4, 5, 6, 7};
-inline constexpr std::array kInSquares = {1, 2, 3, 5, 6, 4, 7};
-inline constexpr std::array kInTests = {5, 1, 2, 3, 6, 7, 4};
+inline constexpr std::array kInNormals = {1, 2, 3, 4, 5, 6, 7, 8};
+inline constexpr std::array kInSquares = {1, 2, 3, 5, 6, 4, 7, 8};
+inline constexpr std::array kInTests = {5, 1, 2, 3, 6, 7, 4, 8};
 /// Those with unknowns of their own in the order in which the datum sees them, and those whose items are points.
 inline constexpr std::array kInDatum = {6, 1, 7};
 inline constexpr std::array kOfPoints = {5, 0};

@@ -42,6 +42,10 @@ Surveyed observed_every_way() {
     made.scope.boresight_sigma_rad[camera] = Eigen::Vector3d::Constant(0.01);
     made.scope.time_offset_sigma_s[camera] = 0.1;
   }
+  for (auto& [id, camera] : made.block.cameras) {
+    camera.additional = AdditionalSet::kFilm;
+    camera.prior.film = FilmPrior{.sigma_px = 0.5, .correlation_px = 300};
+  }
   made.scope.position_tracks = {track};
   made.scope.use_positions = true;
   return made;

@@ -128,6 +128,14 @@ struct Block {
   std::vector<GeodeticObservation> geodetic;  ///< measured between control points, or known of them
 
   [[nodiscard]] const Camera& camera_of(ImageId image) const { return cameras.at(images.at(image).camera); }
+  /// The camera that stands for all scans of film, which have one each; of other images their own. What images have in
+  /// common is looked for in those of one.
+  [[nodiscard]] CameraId common_camera(CameraId camera) const {
+    if (!cameras.at(camera).prior.film) return camera;
+    for (const auto& [id, one] : cameras)
+      if (one.prior.film) return id;
+    return camera;
+  }
 };
 
 /// The pose of an image: point_in_cam = pose * point_in_world. Of an image that is not oriented nobody may ask.

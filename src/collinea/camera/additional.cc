@@ -106,6 +106,35 @@ NormalisedPosition normalised_position(ImageExtent size, const Eigen::Vector2d& 
           half_height / longer};
 }
 
+// Legendre's polynomials, with their derivatives; beyond -1 and 1 as there.
+constexpr int kFilmDegree = 6;
+struct Legendre {
+  std::array<double, kFilmDegree + 1> value{}, slope{};
+
+  explicit Legendre(double t) {
+    const bool is_beyond = !(t >= -1 && t <= 1);
+    t = std::clamp(t, -1.0, 1.0);
+    value[0] = 1, value[1] = t, slope[1] = 1;
+    for (std::size_t n = 1; n + 1 < value.size(); ++n) {
+      value[n + 1] = (double(2 * n + 1) * t * value[n] - double(n) * value[n - 1]) / double(n + 1);
+      slope[n + 1] = slope[n - 1] + double(2 * n + 1) * value[n];
+    }
+    if (is_beyond) slope.fill(0);
+  }
+};
+
+// Calls visit(function, its value, its derivatives by x and y) for the functions of film.
+template <class Visit>
+void for_each_film(const NormalisedPosition& at, Visit&& visit) {
+  const Legendre x(at.x), y(at.y);
+  std::size_t k = 0;
+  for (std::size_t degree = 0; degree <= kFilmDegree; ++degree)
+    for (std::size_t i = 0; i <= degree; ++i, ++k) {
+      const std::size_t j = degree - i;
+      visit(k, x.value[i] * y.value[j], x.slope[i] * y.value[j], x.value[i] * y.slope[j]);
+    }
+}
+
 // Calls visit(number, column, row, their derivatives by x and y) for every parameter.
 template <class Visit>
 void for_each(AdditionalSet set, const NormalisedPosition& at, Visit&& visit) {
@@ -122,6 +151,13 @@ void for_each(AdditionalSet set, const NormalisedPosition& at, Visit&& visit) {
               row * n * cosine);
       }
     }
+    return;
+  }
+  if (set == AdditionalSet::kFilm) {
+    for_each_film(at, [&](std::size_t k, double value, double by_x, double by_y) {
+      visit(2 * k, value, 0, by_x, by_y, 0, 0);
+      visit(2 * k + 1, 0, value, 0, 0, by_x, by_y);
+    });
     return;
   }
   const Orthogonal o = orthogonal(set);
@@ -141,6 +177,7 @@ void for_each(AdditionalSet set, const NormalisedPosition& at, Visit&& visit) {
 
 std::size_t count_of(AdditionalSet set) {
   if (set == AdditionalSet::kNone) return 0;
+  if (set == AdditionalSet::kFilm) return 2 * kFilmFunctions;
   return set == AdditionalSet::kFourier ? 4 * kWaves.size() : products(set).size();
 }
 
@@ -158,6 +195,13 @@ AdditionalShift additional_shift(AdditionalSet set, const double* values, ImageE
     sum.by_pixel(1, 1) += a * ry * at.by_y;
   });
   return sum;
+}
+
+Eigen::Matrix<double, kFilmFunctions, 1> film_functions(ImageExtent size, const Eigen::Vector2d& pixel) {
+  Eigen::Matrix<double, kFilmFunctions, 1> values;
+  for_each_film(normalised_position(size, pixel),
+                [&](std::size_t k, double value, double, double) { values[Eigen::Index(k)] = value; });
+  return values;
 }
 
 void additional_effect(AdditionalSet set, ImageExtent size, const Eigen::Vector2d& pixel, AdditionalEffect& effect) {

@@ -42,6 +42,11 @@ struct Camera : CameraParameters {
   [[nodiscard]] double focal_px() const { return params[kF]; }
 };
 
+/// Whether it is that of a scan of film whose local deformation takes part.
+[[nodiscard]] inline bool is_deformed_film(const Camera& camera) {
+  return camera.additional == AdditionalSet::kFilm && camera.prior.film;
+}
+
 /// A camera without distortion whose principal point is the middle of the image.
 [[nodiscard]] Camera ideal_camera(double focal_px, int width_px, int height_px);
 

@@ -61,10 +61,14 @@ Result<ScanOrientation> orient_scan(const std::filesystem::path& file, const Mar
 
 Result<ScanOrientation> oriented_scan(const FilmCalibration& calibration, const ScanMarks& found) {
   std::vector<FilmMark> marks;
+  double variance_px2 = 0, variance_mm2 = 0;
   for (const MarkReading& read : found.marks)
     for (const CalibratedMark& known : calibration.marks)
-      if (known.name == read.mark)
+      if (known.name == read.mark) {
         marks.push_back({.name = read.mark, .film_mm = known.film_mm, .pixel = read.position});
+        variance_px2 += read.sigma * read.sigma;
+        variance_mm2 += known.sigma_mm * known.sigma_mm;
+      }
   // Four marks leave an affine transformation two checks.
   auto choice = choose_film_model(marks, {});
   if (choice && marks.size() >= 4)
@@ -72,7 +76,10 @@ Result<ScanOrientation> oriented_scan(const FilmCalibration& calibration, const 
   if (!choice)
     return fail(Errc::kIllPosed,
                 fmt::format("{} marks whose positions do not determine a transformation", marks.size()));
-  return ScanOrientation{*std::move(choice), film_deformation(marks, {}), marks.size()};
+  ScanOrientation oriented{*std::move(choice), film_deformation(marks, {}), marks.size()};
+  const double pixel_mm = oriented.pixel_mm();
+  oriented.mark_sigma_px = std::sqrt((variance_px2 + variance_mm2 / (pixel_mm * pixel_mm)) / double(marks.size()));
+  return oriented;
 }
 
 }  // namespace collinea

@@ -10,6 +10,7 @@ struct ScanOrientation {
   FilmChoice choice;                           ///< of the transformation
   std::optional<FilmDeformation> deformation;  ///< nothing where the marks do not tell
   std::size_t marks = 0;                       ///< found and part of the calibration
+  double mark_sigma_px = 0;                    ///< of a coordinate of a mark: its match in the scan and its calibration
 
   [[nodiscard]] const FilmTransformation& scan_from_film() const { return choice.fit.transformation; }
   [[nodiscard]] double pixel_mm() const;      ///< mean of both axes, in the middle of the film

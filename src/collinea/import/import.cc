@@ -287,7 +287,7 @@ class Importer {
     }
     Image image;
     image.file = source.file;
-    image.camera = camera_of(header);
+    image.camera = film_ && film_->deformed.contains(source.file) ? camera_of_scan(source.file) : camera_of(header);
     image.taken = source.header->taken;
     image.orientation = header.orientation;
     image.position = position_prior(*source.header, options_);
@@ -305,6 +305,15 @@ class Importer {
   void skip_unreadable(const ImageFile& image, const Error& error) {
     skip(finding_of(FindingCode::kImageUnreadable, {Subject::file(image.file)}, {}, {},
                     reason_without_name(error.message, folder_ / image.file)));
+  }
+
+  // A scan is deformed as no other is.
+  CameraId camera_of_scan(const std::string& file) {
+    const CameraId id{static_cast<std::uint32_t>(result.block.cameras.size())};
+    Camera& camera = result.block.cameras[id] = film_->ideal.camera;
+    camera.name += ", " + file;
+    camera.prior.film = film_->deformed.at(file);
+    return id;
   }
 
   CameraId camera_of(const ImageHeader& header) {
@@ -542,6 +551,9 @@ Result<Imported> import_images(const fs::path& photos, const ImportOptions& opti
   const Listing listing = files_below(photos);
   std::optional<FilmFolder> film;
   COLLINEA_TRY(check_film(options.film));
+  if (!options.film.calibration && (options.film_deformation_um || options.film_correlation_mm))
+    return fail(Errc::kBadInput, "only scans of film are deformed: their calibration is missing",
+                {"film"_option, "film_deformation_um"_option, "film_correlation_mm"_option});
   if (options.film.calibration) {
     COLLINEA_TRY(film, film_folder(photos, listing.files, options, run));
   }

@@ -114,6 +114,14 @@ Result<std::vector<std::string>> set_additional(const AdjustmentOptions& asked, 
   std::set<std::string> instead;
   bool any = false;
   for (auto& [id, camera] : task.block.cameras) {
+    if (camera.prior.film && asked.additional.value_or(AdditionalSet::kNone) != AdditionalSet::kNone)
+      return fail(Errc::kBadInput,
+                  "every scan of film has parameters of its own for its deformation, and none that all have in common",
+                  {"additional"_option, {.name = "film_deformation_um", .group = "import", .value = "0"}});
+    if (camera.prior.film) {
+      if (asked.additional) camera.prior.film.reset();  // none: as if it was not deformed
+      continue;
+    }
     const auto own = task.scope.camera_sigmas.find(id);
     Camera& first = task.scope.first_cameras.try_emplace(id, camera).first->second;
     if (asked.additional) {
@@ -180,6 +188,7 @@ Result<Adjustment> adjust_block(AdjustmentTask task, const AdjustmentOptions& as
   if (is_to_be_corrected(asked.refraction, task.block)) {
     COLLINEA_TRY(done.refracted, correct_refraction(task.block));
   }
+  add_film(task.block);
   done.scope = with_first_cameras(task.scope, task.block.cameras);
   done.instruments = task.instruments;
   done.block = std::move(task.block);
@@ -192,6 +201,9 @@ Result<Adjustment> adjust_block(AdjustmentTask task, const AdjustmentOptions& as
     done.mismatches = std::move(clean.found);
   }
   ExamineOptions options = task.options;
+  if (film_takes_part(done.block)) {
+    COLLINEA_TRY(done.film, estimate_film(done.block, done.scope, options, run));
+  }
   options.systematics = systematics_of(asked, done);
   COLLINEA_TRY(adjust_once(task, options, asked, run, done));
   if (options.systematics.test && !options.systematics.velocity_m_s.empty()) {

@@ -17,7 +17,7 @@ constexpr int kGrid = 20;
 
 std::vector<int> spanned_by(AdditionalSet set) {
   using C = Camera;
-  if (set == AdditionalSet::kNone || set == AdditionalSet::kFourier) return {};
+  if (set == AdditionalSet::kNone || set == AdditionalSet::kFourier || set == AdditionalSet::kFilm) return {};
   if (set == AdditionalSet::kEbner) return {C::kB1, C::kB2, C::kP1, C::kP2};
   return {C::kB1, C::kB2, C::kP1, C::kP2, C::kK1};
 }
@@ -150,6 +150,7 @@ std::vector<AdditionalTest> test_additional(const Block& block, const Examined& 
   for (const auto& [id, covariance] : adjusted.camera_covariance) {
     const auto found = adjusted.cameras.find(id);
     const Camera& camera = found == adjusted.cameras.end() ? block.cameras.at(id) : found->second;
+    if (is_deformed_film(camera)) continue;  // of one scan, and expected
     if (camera.additional == AdditionalSet::kNone || covariance.rows() <= Camera::kParams) continue;
     const double redundancy =
         sigma0_known || adjusted.redundancy < 1 ? std::numeric_limits<double>::infinity() : double(adjusted.redundancy);

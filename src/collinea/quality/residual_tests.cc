@@ -195,7 +195,7 @@ class ResidualTester {
     };
     std::map<CameraId, Sums> cameras;
     for (auto& [image, its] : by_image) {
-      const CameraId id = block_.images.at(image).camera;
+      const CameraId id = block_.common_camera(block_.images.at(image).camera);
       const Camera& camera = block_.cameras.at(id);
       if (its.size() < kLeastInImage || camera.width_px <= 0 || camera.height_px <= 0) continue;
       sort_in_bands(its, camera);

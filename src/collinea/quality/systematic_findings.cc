@@ -40,12 +40,20 @@ Aspect aspect_of(SystematicKind kind) {
   return Aspect::kWhole;
 }
 
-// The option that takes it up, or what else to do. Only a camera that is calibrated gets more parameters, and only
-// those that the block determines.
+// Whether all cameras were given: to give one is no remedy then.
+bool are_all_given(const Block& block) {
+  return !block.cameras.empty() &&
+         std::ranges::none_of(block.cameras, [](const auto& one) { return one.second.prior.calibrate; });
+}
+
+// The option that takes it up, or what else to do. A camera gets more parameters where the block determines them; one
+// that was given gets them from an adjustment alone.
 std::vector<Remedy> remedies_of(const SystematicTest& test, const Block& block) {
   const auto camera = test.camera ? block.cameras.find(*test.camera) : block.cameras.end();
-  const bool is_calibrated = camera != block.cameras.end() && camera->second.prior.calibrate;
-  const std::vector<Remedy> more_images = {RemedyCode::kRotateImages, RemedyCode::kCalibrateCamera};
+  const bool is_known = camera != block.cameras.end();
+  const bool is_calibrated = is_known && camera->second.prior.calibrate, is_given = is_known && !is_calibrated;
+  std::vector<Remedy> more_images = {RemedyCode::kRotateImages};
+  if (!is_given) more_images.push_back(RemedyCode::kCalibrateCamera);
   const bool is_separable = test.multiple_correlation < kInseparable;
   switch (test.kind) {
     case SystematicKind::kTimeOffset:
@@ -63,14 +71,17 @@ std::vector<Remedy> remedies_of(const SystematicTest& test, const Block& block) 
     case SystematicKind::kAssignment:
       return {RemedyCode::kLookForNames};
     case SystematicKind::kBowl:
+      if (are_all_given(block)) return {RemedyCode::kAddHeightsOrOblique};
       return {RemedyCode::kCalibrateCamera, RemedyCode::kAddHeightsOrOblique};
     case SystematicKind::kAffinity:
-      if (!is_calibrated) return {RemedyCode::kCalibrateCamera};
+      if (!is_known) return {RemedyCode::kCalibrateCamera};
       if (!is_separable) return more_images;
+      if (is_given) return {OptionName{"additional", "adjust", std::string(word_of(AdditionalSet::kEbner))}};
       return {OptionName{"calibration", "orient", "brown_affinity"}};
     case SystematicKind::kAdditional:
-      if (!is_calibrated) return {RemedyCode::kCalibrateCamera};
+      if (!is_known) return {RemedyCode::kCalibrateCamera};
       if (!is_separable) return more_images;
+      if (is_given) return {OptionName{"additional", "adjust", std::string(word_of(test.additional))}};
       return {OptionName{"additional", "orient", std::string(word_of(test.additional))}};
     case SystematicKind::kRollingShutter:
       return {RemedyCode::kHoldStill};

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace collinea {
 namespace {
 
@@ -55,6 +57,21 @@ TEST(SystematicFindings, EveryKindHasAnAspectAndARemedy) {
     EXPECT_NE(findings[0].subjects[0].aspect, Aspect::kWhole) << one.word;
     EXPECT_FALSE(findings[0].remedies.empty()) << one.word;
   }
+}
+
+// One who gave a camera is not told to give one.
+TEST(SystematicFindings, OfAGivenCameraTheRemedyIsNotToGiveOne) {
+  Block block = block_with_camera();
+  block.cameras[{1}].prior.calibrate = false;
+  for (const SystematicKind kind : {SystematicKind::kBowl, SystematicKind::kAffinity, SystematicKind::kAdditional})
+    for (const double multiple_correlation : {0.5, 0.9999}) {
+      SystematicTest test = test_of(kind, 1e-9);
+      test.multiple_correlation = multiple_correlation;
+      const std::vector<Finding> findings = systematic_findings({test}, block);
+      ASSERT_EQ(findings.size(), 1u);
+      EXPECT_FALSE(findings[0].remedies.empty());
+      EXPECT_EQ(std::ranges::count(findings[0].remedies, Remedy(RemedyCode::kCalibrateCamera)), 0);
+    }
 }
 
 }  // namespace

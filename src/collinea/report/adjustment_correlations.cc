@@ -187,7 +187,8 @@ json correlations_json(const Matrix6d& covariance) {
 std::string correlation_section(const AdjustmentReport& report) {
   std::string html;
   for (const auto& [id, covariance] : report.adjusted.camera_covariance)
-    html += camera_table(report.block.cameras.at(id), covariance) + camera_pose_table(report, id);
+    if (!is_deformed_film(report.block.cameras.at(id)))  // that are polynomials, of every scan others
+      html += camera_table(report.block.cameras.at(id), covariance) + camera_pose_table(report, id);
   html += pair_table(report, "Of the poses: the strongest pairs, over all images.", kPoseNames,
                      pose_pairs(report.adjusted.pose_covariance)) +
           pair_table(report, "The same with the angles.", kAngleNames, pose_pairs(angle_covariances(report)));

@@ -45,7 +45,7 @@ Pattern pattern_of(const AdjustmentReport& report, CameraId id) {
   for (std::size_t i = 0; i < report.adjusted.observations.size(); ++i) {
     const Observation& seen = report.block.observations[report.adjusted.observations[i]];
     const Eigen::Vector2d& residual = report.adjusted.residuals_px[i];
-    if (report.block.images.at(seen.image).camera != id || !residual.allFinite()) continue;
+    if (report.block.common_camera(report.block.images.at(seen.image).camera) != id || !residual.allFinite()) continue;
     if (residual.norm() > kGross * sigma0 * seen.sigma_px) continue;
     const int column = std::clamp(static_cast<int>(seen.pixel.x() * kColumns / camera.width_px), 0, kColumns - 1);
     const int row = std::clamp(static_cast<int>(seen.pixel.y() * pattern.rows / camera.height_px), 0, pattern.rows - 1);
@@ -72,7 +72,7 @@ Pattern pattern_of(const AdjustmentReport& report, CameraId id) {
 std::vector<Pattern> patterns_of(const AdjustmentReport& report) {
   std::vector<Pattern> patterns;
   for (const auto& [id, camera] : report.block.cameras) {
-    if (camera.width_px <= 0 || camera.height_px <= 0) continue;
+    if (camera.width_px <= 0 || camera.height_px <= 0 || report.block.common_camera(id) != id) continue;
     patterns.push_back(pattern_of(report, id));
     if (patterns.back().counted == 0) patterns.pop_back();
   }

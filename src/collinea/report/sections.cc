@@ -92,22 +92,34 @@ std::string words_of_model(const Camera& camera) {
   return words;
 }
 
+std::string words_of_deformation(const Camera& camera) {
+  if (!is_deformed_film(camera)) return "";
+  const FilmPrior& film = *camera.prior.film;
+  return fmt::format(
+      "<p>Each scan is the image of its film, which is deformed between the marks as no other is: by {:.3f} px in each "
+      "coordinate{}, with a correlation over {:.0f} px{}. Residuals are those of all scans.</p>\n",
+      film.sigma_px, film.sigma_is_given ? " (given)" : "", film.correlation_px,
+      film.correlation_is_given ? " (given)" : "");
+}
+
 std::string one_camera(const ReportInput& input, const ReportSummary& summary, CameraId id) {
   const Camera& camera = input.block.cameras.at(id);
   std::size_t images = 0;
-  for (const auto& [image, pose] : oriented_images(input.block)) images += input.block.images.at(image).camera == id;
+  for (const auto& [image, pose] : oriented_images(input.block)) images += input.block.common_camera(input.block.images.at(image).camera) == id;
   std::string html = fmt::format(
       "<h3>{}</h3><p>{}{} x {} px, {} oriented image{}, horizontal field of view {:.1f}&deg;; first focal length: "
       "{}.{}</p>\n",
       escaped(camera.name.empty() ? fmt::format("Camera {}", id.value) : camera.name), words_of_model(camera),
       camera.width_px, camera.height_px, images, images == 1 ? "" : "s", field_of_view_deg(camera),
       escaped(camera.prior.source == Provenance::kUnknown ? "unknown" : words_of(camera.prior.source)),
-      camera.prior.calibrate ? "" : " All parameters were given and fixed.");
+      camera.prior.calibrate ? "" : " All parameters were given and fixed.") +
+      words_of_deformation(camera);
   html +=
       "<table class=\"whole\"><thead><tr><th class=\"l\">parameter</th><th "
       "class=\"l\">unit</th><th>before</th><th>adjusted</th>"
       "<th>change</th><th>standard deviation</th><th>|value| / st. dev.</th></tr></thead><tbody>\n";
-  for (const int param : params_of(camera)) html += parameter_row(input, id, param);
+  for (const int param : params_of(camera))
+    if (!camera.prior.film || param < Camera::kParams) html += parameter_row(input, id, param);
   html += "</tbody></table>\n<div class=\"pair\">\n";
   const auto first = input.first_cameras.find(id);
   html += "<figure>" + distortion_chart(camera, first == input.first_cameras.end() ? nullptr : &first->second) +

@@ -117,7 +117,7 @@ ResidualStatistics residual_statistics(const Block& block) {
   std::map<CameraId, ResidualGrid> grids;
   for (const auto& [id, pose] : oriented_images(block)) {
     images[id].image = id;
-    const CameraId camera = block.images.at(id).camera;
+    const CameraId camera = block.common_camera(block.images.at(id).camera);
     if (!grids.contains(camera)) grids.emplace(camera, empty_grid(camera, block.cameras.at(camera)));
   }
   std::vector<float> coordinates;
@@ -138,7 +138,7 @@ ResidualStatistics residual_statistics(const Block& block) {
     ImageResiduals& image = images.at(o.image);
     ++image.observations;
     image.rms_px += residual.squaredNorm();
-    add_to_grid(grids.at(block.images.at(o.image).camera), camera, o.pixel, residual);
+    add_to_grid(grids.at(block.common_camera(block.images.at(o.image).camera)), camera, o.pixel, residual);
   }
   statistics.observations = coordinates.size() / 2;
   if (statistics.observations) {

@@ -49,7 +49,6 @@ Result<Project> imported(const fs::path& project, const Settings& settings, Log&
 // refraction (which the test adds) and the local deformation that marks do not tell.
 void expect_control_position(const Project& mapped, const FilmTruth& film) {
   const Block block = *mapped.store.read_block();
-  ASSERT_EQ(block.cameras.size(), 1u);
   const Camera& camera = block.cameras.begin()->second;
   EXPECT_NEAR(camera.focal_px(), 153.264 / 0.1, 1.5);
   EXPECT_FALSE(camera.prior.calibrate);
@@ -64,6 +63,35 @@ void expect_control_position(const Project& mapped, const FilmTruth& film) {
   }
 }
 
+// Each scan has a camera of its own for the deformation between its marks, whose size all residuals of marks tell: 4 um
+// to sqrt(1 / (2 x 20)) of it, by two scans with eight marks. A deformation of 0 leaves one camera to all.
+void expect_own_cameras(const TestFolder& folder, const Settings& asked) {
+  Settings settings = asked;
+  Log log;
+  const auto own = imported(folder / "own", settings, log);
+  ASSERT_TRUE(own) << own.error().message;
+  const Block block = *own->store.read_block();
+  ASSERT_EQ(block.cameras.size(), 2u);
+  for (const auto& [id, camera] : block.cameras) {
+    ASSERT_TRUE(camera.prior.film);
+    const FilmPrior& film = *camera.prior.film;
+    EXPECT_EQ(film.marks.size(), 8u);
+    EXPECT_EQ(film.sigma_px, block.cameras.begin()->second.prior.film->sigma_px);
+    EXPECT_NEAR(film.sigma_px, 0.04, 3 * 0.04 / std::sqrt(2.0 * 20));
+    EXPECT_FALSE(film.sigma_is_given || film.correlation_is_given);
+    EXPECT_EQ(camera.additional, AdditionalSet::kNone);  // until the adjustment
+  }
+  settings.import.film_deformation_um = 6;
+  settings.import.film_correlation_mm = 50;
+  const Block given = *imported(folder / "given", settings, log)->store.read_block();
+  const FilmPrior& film = *given.cameras.begin()->second.prior.film;
+  EXPECT_NEAR(film.sigma_px, 0.06, 1e-4);
+  EXPECT_NEAR(film.correlation_px, 500, 1);
+  EXPECT_TRUE(film.sigma_is_given && film.correlation_is_given);
+  settings.import.film_deformation_um = 0;
+  EXPECT_EQ(imported(folder / "none", settings, log)->store.read_block()->cameras.size(), 1u);
+}
+
 TEST(FilmStep, ScansBecomeIdealImages) {
   const TestFolder folder;
   const FilmTruth film = written_film(folder / "block");
@@ -73,6 +101,7 @@ TEST(FilmStep, ScansBecomeIdealImages) {
   const auto project = imported(folder / "project", settings_of(folder / "block"), log);
   ASSERT_TRUE(project) << project.error().message;
   expect_control_position(*project, film);
+  expect_own_cameras(folder, settings_of(folder / "block"));
 
   const auto record = std::find_if(log.lines.begin(), log.lines.end(), [](const std::string& line) {
     return line.find("IMG_0009.jpg") != std::string::npos;

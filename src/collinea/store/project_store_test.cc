@@ -52,6 +52,9 @@ Camera any_camera(Random& random, std::size_t model, std::size_t additional) {
   camera.prior.source = Provenance::kExif35mm;
   camera.prior.sigma_f_px = random.uniform();
   camera.prior.calibrate = false;
+  if (camera.additional == AdditionalSet::kFilm)
+    camera.prior.film = FilmPrior{random.normal(), 500, 0.02, true, model == 0, 15,
+                                  {{{1, random.normal()}, {0.1, 0.2}}, {{-3, 4}, {random.normal(), 0}}}};
   return camera;
 }
 
@@ -126,6 +129,7 @@ void expect_same_cameras(const Block& a, const Block& b) {
     EXPECT_EQ(camera.width_px, other.width_px);
     EXPECT_EQ(camera.height_px, other.height_px);
     EXPECT_EQ(camera.prior.calibrate, other.prior.calibrate);
+    EXPECT_EQ(camera.prior.film, other.prior.film);
   }
 }
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/adjust/internal/layout.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -131,13 +133,58 @@ Result<> lay_out_camera(const Camera& camera, const AdjustScope& scope, const Ad
   return {};
 }
 
+// The local deformation of scans, whose marks are at the same positions mostly.
+class FilmLayout {
+ public:
+  // The unknowns of the scan whose camera it is.
+  [[nodiscard]] Result<> add(const Camera& camera, ProblemCamera& unknowns) {
+    const FilmPrior& prior = *camera.prior.film;
+    const FilmField field = film_field(prior, shape_of(prior, camera));
+    const Eigen::LLT<Eigen::MatrixXd> factor(field.covariance);
+    if (factor.info() != Eigen::Success)
+      return fail(Errc::kBadInput, "the deformation of film of " + camera.name + " has no covariance");
+    const Eigen::Index count = field.covariance.rows();
+    unknowns.film_whitening = factor.matrixL().solve(Eigen::MatrixXd::Identity(count, count));
+    for (Eigen::Index k = 0; k < count; ++k)
+      for (const int axis : {0, 1}) {
+        const int param = Camera::kParams + 2 * static_cast<int>(k) + axis;
+        unknowns.free.push_back(param);
+        unknowns.given[static_cast<std::size_t>(param)] = axis == 0 ? field.column[k] : field.row[k];
+        unknowns.inverse_sigma[static_cast<std::size_t>(param)] = 0;
+      }
+    return {};
+  }
+
+ private:
+  const FilmShape& shape_of(const FilmPrior& prior, const Camera& camera) {
+    std::vector<Eigen::Vector2d> marks;
+    for (const FilmMarkOffset& mark : prior.marks) marks.push_back(mark.pixel);
+    if (!shape_ || marks != marks_ || prior.correlation_px != correlation_px_ || prior.functions != functions_) {
+      shape_ = film_shape(prior, {double(camera.width_px), double(camera.height_px)}, prior.correlation_px);
+      marks_ = std::move(marks);
+      correlation_px_ = prior.correlation_px;
+      functions_ = prior.functions;
+    }
+    return *shape_;
+  }
+
+  std::optional<FilmShape> shape_;
+  std::vector<Eigen::Vector2d> marks_;
+  double correlation_px_ = 0;
+  int functions_ = 0;
+};
+
 Result<> lay_out_cameras(const Block& block, const AdjustScope& scope, const AdjustOptions& options,
                          ProblemAndStart& out) {
   Problem& problem = out.problem;
+  FilmLayout film;
   for (ProblemCamera& unknowns : problem.cameras) {
     const Camera& camera = block.cameras.at(unknowns.id);
     unknowns.first_global = problem.global_count;
     COLLINEA_TRY(lay_out_camera(camera, scope, options, unknowns));
+    if (is_deformed_film(camera) && !scope.fixed_cameras.contains(unknowns.id)) {
+      COLLINEA_TRY(film.add(camera, unknowns));
+    }
     problem.global_count += static_cast<int>(unknowns.free.size());
     out.start.cameras.push_back(camera.params);
     const bool corrected = scope.corrected_cameras.contains(unknowns.id);

@@ -60,6 +60,14 @@ struct ProblemCamera {
   std::vector<int> free;                                   ///< Camera::Param of each unknown
   std::array<double, Camera::kAllParams> given{};          ///< pseudo-observations ...
   std::array<double, Camera::kAllParams> inverse_sigma{};  ///< ... and their weights^1/2
+  /// Of a scan of film: L^-1 of the covariance L L' of the functions of its deformation; else empty. These are the last
+  /// of `free`.
+  Eigen::MatrixXd film_whitening = {};
+
+  [[nodiscard]] bool is_of_film() const { return film_whitening.rows() > 0; }
+  [[nodiscard]] std::size_t first_film_unknown() const {
+    return free.size() - 2 * static_cast<std::size_t>(film_whitening.rows());
+  }
 };
 
 /// A tie point or control point with its rays in [first_ray, next point's first_ray): first those of fixed images, then

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "collinea/base/words.h"
+#include "collinea/camera/film_prior.h"
 
 namespace collinea {
 
@@ -30,6 +32,7 @@ struct CameraPrior {
   double sigma_f_px = 0;  ///< of the focal length; 0: fixed
   bool calibrate = true;  ///< false: all parameters are given and fixed
   Provenance source = Provenance::kUnknown;
+  std::optional<FilmPrior> film = {};  ///< of the scan of a film, whose camera it is: how it is deformed
 };
 
 }  // namespace collinea

@@ -15,6 +15,8 @@ namespace collinea {
 struct FilmFolder {
   IdealImage ideal;
   std::map<std::string, Result<ScanOrientation>> scans;  ///< by file; or why there is none
+  /// How the scans are deformed between their marks, by file, where there is any: each then has a camera of its own.
+  std::map<std::string, FilmPrior> deformed = {};
 
   /// As that of a photograph with the size of the ideal image.
   [[nodiscard]] ImageHeader header() const;

@@ -36,6 +36,7 @@ std::vector<CameraPoseCorrelation> correlate_cameras_and_poses(
   std::vector<CameraPoseCorrelation> correlations;
   for (int c = 0; c < static_cast<int>(problem.cameras.size()); ++c) {
     const ProblemCamera& camera = problem.cameras[static_cast<std::size_t>(c)];
+    if (camera.is_of_film()) continue;  // of one image each
     for (std::size_t k = 0; k < camera.free.size(); ++k) {
       const int row = 6 * problem.poses + camera.first_global + static_cast<int>(k);
       const std::size_t first = correlations.size();

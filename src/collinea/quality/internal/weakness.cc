@@ -351,7 +351,9 @@ void WeaknessFinder::look_at_correlations(const TileCholesky& factor) {
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return images[a] > images[b]; });
   for (std::size_t k = 0; k < std::min(kMostCameras, order.size()); ++k)
-    if (!problem_.cameras[order[k]].free.empty() && images[order[k]] > 0) look_at_camera(factor, order[k]);
+    if (const ProblemCamera& camera = problem_.cameras[order[k]];
+        !camera.free.empty() && !camera.is_of_film() && images[order[k]] > 0)
+      look_at_camera(factor, order[k]);
   // What a camera leaves open moves the block too: that is named already.
   const bool by_camera =
       has({FindingCode::kFocalAndHeight, FindingCode::kCameraAndPose, FindingCode::kParameterNotDetermined});

@@ -115,6 +115,7 @@ std::vector<HeightPrecision> height_precision_of(const Examined& adjusted) {
 CalibrationRecord calibration_of(const Adjustment& adjustment, Calibration calibration) {
   CalibrationRecord record;
   for (const auto& [id, camera] : adjustment.adjusted.cameras) {
+    if (camera.prior.film) continue;
     const auto own = adjustment.scope.camera_sigmas.find(id);
     const CameraSigmas sigmas =
         own != adjustment.scope.camera_sigmas.end() ? own->second : calibration_sigmas(calibration, camera);

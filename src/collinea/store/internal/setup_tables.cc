@@ -42,6 +42,33 @@ struct ControlObservationRecord {
   }
 };
 
+// The deformation of film behind the sigma of a camera: those of other cameras end there.
+void put_film(Packer& packer, const FilmPrior& film) {
+  for (const double value : {film.sigma_px, film.correlation_px, film.mark_sigma_px}) packer.put(value);
+  packer.put(std::uint32_t{film.sigma_is_given});
+  packer.put(std::uint32_t{film.correlation_is_given});
+  packer.put(static_cast<std::uint32_t>(film.functions));
+  for (const FilmMarkOffset& mark : film.marks) {
+    put(packer, mark.pixel);
+    put(packer, mark.offset_px);
+  }
+}
+
+void get_film(Unpacker& unpacker, FilmPrior& film) {
+  for (double* value : {&film.sigma_px, &film.correlation_px, &film.mark_sigma_px}) unpacker.get(*value);
+  std::uint32_t sigma_is_given = 0, correlation_is_given = 0, functions = 0;
+  for (std::uint32_t* value : {&sigma_is_given, &correlation_is_given, &functions}) unpacker.get(*value);
+  film.sigma_is_given = sigma_is_given != 0;
+  film.correlation_is_given = correlation_is_given != 0;
+  film.functions = static_cast<int>(std::min<std::uint32_t>(functions, kFilmFunctions));
+  while (unpacker.ok() && !unpacker.done()) {
+    FilmMarkOffset mark;
+    get(unpacker, mark.pixel);
+    get(unpacker, mark.offset_px);
+    film.marks.push_back(mark);
+  }
+}
+
 Result<> write_georeference(Database& db, const std::optional<Georeference>& georeference) {
   COLLINEA_TRY(db.execute("DELETE FROM georeference"));
   if (!georeference) return {};
@@ -257,6 +284,7 @@ Result<> write_cameras(Database& db, const std::string& table, const std::map<Ca
   for (const auto& [id, camera] : cameras) {
     Packer sigma;
     sigma.put(camera.prior.sigma_f_px);
+    if (camera.prior.film) put_film(sigma, *camera.prior.film);
     const std::string parameters = parameters_text(camera);  // texts are bound where they lie, until the row is written
     insert.bind(id.value).bind_text(camera.name).bind(camera.width_px).bind(camera.height_px);
     insert.bind_text(name_of(camera.model)).bind_text(kAdditionalNames[std::size_t(camera.additional)]);
@@ -286,6 +314,7 @@ Result<> read_cameras(Database& db, const std::string& table, std::map<CameraId,
     camera.prior.calibrate = select.integer(8) != 0;
     Unpacker sigma(select.blob(9));
     sigma.get(camera.prior.sigma_f_px);
+    if (!sigma.done()) get_film(sigma, camera.prior.film.emplace());
     if (!sigma.done()) return damaged(table);
     cameras[{std::uint32_t(select.integer(0))}] = std::move(camera);
   }
