@@ -194,6 +194,7 @@ void judge(const char* kind, const Case& what, int windows, const std::function<
   std::vector<double> errors;
   double squares = 0, statistics = 0, variances = 0, noise = 0, iterations = 0, clocks = 0;
   int inside = 0, within = 0;
+  std::array<int, std::size(kWindowOutcomeWords)> outcomes{};
   for (int i = 0; i < windows; ++i) {
     Random random(7, std::uint64_t(i));
     const Grey grey = texture(random);
@@ -201,6 +202,7 @@ void judge(const char* kind, const Case& what, int windows, const std::function<
     const std::clock_t begin = std::clock();
     const WindowMatch match = match_window(pair.left, pair.left_px, pair.right, pair.start, options);
     clocks += double(std::clock() - begin);
+    ++outcomes[std::size_t(match.outcome)];
     if (match.outcome != WindowOutcome::kFound) continue;
     const Vector2d error = match.position_px - pair.right_px;
     double statistic = 0;
@@ -227,6 +229,8 @@ void judge(const char* kind, const Case& what, int windows, const std::function<
               part(errors, 0.99), errors.back(), 100 * within / n, std::sqrt(variances / squares),
               std::sqrt(statistics / n / dimensions), 100 * inside / n, noise / n, iterations / n,
               1e6 * clocks / CLOCKS_PER_SEC / windows);
+  for (const auto& [outcome, word, meaning] : kWindowOutcomeWords) std::printf("  %s %d", std::string(word).c_str(), outcomes[std::size_t(outcome)]);
+  std::puts("");
   std::fflush(stdout);
 }
 

@@ -17,10 +17,10 @@ using Eigen::Vector2d;
 using Selection = Eigen::Matrix<double, kWindowColumns, Eigen::Dynamic, 0, kWindowColumns, kWindowColumns>;
 
 constexpr int kMostIterations = 30;
-constexpr int kFixedMaps = 3;            // so many iterations, or until a step is small, the map is not free
+constexpr int kFixedMaps = 3;  // so many iterations, or until a step is small, the map is not free
 constexpr double kSmallStep_px = 0.3;
 constexpr double kLargestStep_px = 1.5;
-constexpr double kSettled_px = 0.002;    // of any point of the window: a tenth of the sigma of the best matches
+constexpr double kSettled_px = 0.002;  // of any point of the window: a tenth of the sigma of the best matches
 constexpr double kLargestMapChange = 0.5;
 constexpr double kLeastGain = 0.05;
 constexpr double kLeastNoise_grey = 0.29;  // of whole grey values
@@ -30,15 +30,22 @@ constexpr int kMostRejections = 6;
 
 int geometric_unknowns(WindowModel model) {
   switch (model) {
-    case WindowModel::kTranslation: return 2;
-    case WindowModel::kLine: return 1;
-    case WindowModel::kScale: return 3;
-    case WindowModel::kSimilarity: return 4;
-    case WindowModel::kAffine: return 6;
+    case WindowModel::kTranslation:
+      return 2;
+    case WindowModel::kLine:
+      return 1;
+    case WindowModel::kScale:
+      return 3;
+    case WindowModel::kSimilarity:
+      return 4;
+    case WindowModel::kAffine:
+      return 6;
   }
   return 0;
 }
-int light_unknowns(WindowLight light) { return light == WindowLight::kSame ? 0 : light == WindowLight::kOffset ? 1 : 2; }
+int light_unknowns(WindowLight light) {
+  return light == WindowLight::kSame ? 0 : light == WindowLight::kOffset ? 1 : 2;
+}
 int positions_of(WindowModel model) { return model == WindowModel::kLine ? 1 : 2; }
 
 // How the unknowns of the model move those of all models: columns by unknown.
@@ -148,7 +155,14 @@ class Matcher {
       score[6] -= light_.gain * squares_of_noise;
       matrix(6, 6) -= squares_of_noise;
     }
-    const Selection b = seen_through(placement_.map) * selection_;
+    const ColumnMatrix through = seen_through(placement_.map);
+    const Selection b = through * selection_;
+    // Far away the slopes of both images do not belong together: those of the reference alone lead on.
+    if (!is_near_) {
+      ColumnMatrix by_light = through;
+      by_light.leftCols<6>() *= light_.gain;
+      matrix = fit_.normal() * by_light;
+    }
     return Equations{b.transpose() * matrix * selection_, -b.transpose() * score};
   }
   // By the residuals, their redundancy neglected: of a spline between pixels a variance of 0.23 is left.
@@ -157,7 +171,7 @@ class Matcher {
   }
 
   WindowOutcome adjust() {
-    bool is_map_free = false;
+    bool is_map_free = geometric_unknowns(options_.model) <= positions_of(options_.model);
     is_near_ = false;
     for (int iteration = 0; iteration < kMostIterations; ++iteration) {
       const auto now = equations();
@@ -168,8 +182,8 @@ class Matcher {
       const auto moved_px = moved_by(*step);
       if (!moved_px) return why_not(*now);
       if (is_map_free && *moved_px < kSettled_px && is_near_) return WindowOutcome::kFound;
+      is_near_ = is_near_ || (is_map_free && *moved_px < kSmallStep_px);
       is_map_free = is_map_free || iteration + 1 >= kFixedMaps || *moved_px < kSmallStep_px;
-      is_near_ = is_near_ || *moved_px < kSmallStep_px;
       if (options_.robust && !is_rejecting_) fit_.reweight(outliers_.soft(fit_));
     }
     return WindowOutcome::kNotConverged;
@@ -290,7 +304,8 @@ class Matcher {
     const Matrix2d relative = out.map * start_.map.inverse();
     if (options_.model == WindowModel::kScale || options_.model == WindowModel::kSimilarity) p[2] = relative(0, 0);
     if (options_.model == WindowModel::kSimilarity) p[3] = relative(1, 0);
-    if (options_.model == WindowModel::kAffine) p.segment(2, 4) << out.map(0, 0), out.map(0, 1), out.map(1, 0), out.map(1, 1);
+    if (options_.model == WindowModel::kAffine)
+      p.segment(2, 4) << out.map(0, 0), out.map(0, 1), out.map(1, 0), out.map(1, 1);
     if (options_.light == WindowLight::kGainOffset) {
       p[geometric] = out.gain;
       WindowCovariance by = WindowCovariance::Identity(unknowns, unknowns);

@@ -99,8 +99,8 @@ struct WindowMatch {
   WindowCovariance covariance;  ///< of them
   double noise_grey = 0;        ///< sigma 0: standard deviation of the noise of a pixel of either image
   double correlation = 0;
-  double redundancy = 0;   ///< pixels used less unknowns
-  double share_used = 1;   ///< of the window; less where robust matching left something out
+  double redundancy = 0;  ///< pixels used less unknowns
+  double share_used = 1;  ///< of the window; less where robust matching left something out
   int iterations = 0;
 };
 

@@ -4,26 +4,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collinea/match/internal/spline_window.h"
-
 namespace collinea {
 namespace {
 
 constexpr double kWeightOfHalf = 0.6;  // standard deviation of the Gaussian weights, of the half width
 using Coefficients = Eigen::Matrix<float, kWindowColumns, 1>;
-using Forms = Eigen::Matrix<float, kWindowColumns, Eigen::Dynamic>;  // what noise of each pixel does to B'W r
 
-double squared_norm(const std::array<double, 4>& w) {
-  return w[0] * w[0] + w[1] * w[1] + w[2] * w[2] + w[3] * w[3];
-}
-
-ColumnMatrix covariance_of(const Forms& forms) {
-  Eigen::Matrix<float, kWindowColumns, kWindowColumns> sum = Eigen::Matrix<float, kWindowColumns, kWindowColumns>::Zero();
-  for (Eigen::Index i = 0; i < forms.cols(); ++i) {
-    const Coefficients c = forms.col(i);
-    for (int k = 0; k < kWindowColumns; ++k) sum.col(k) += c[k] * c;
-  }
-  return sum.cast<double>();
+ColumnMatrix products_of(const std::vector<float>& forms) {
+  Eigen::Matrix<float, kWindowColumns, kWindowColumns> out;
+  forms_products(forms.data(), int(forms.size() / kWindowColumns), out.data());
+  return out.cast<double>();
 }
 
 }  // namespace
@@ -136,37 +126,27 @@ ColumnMatrix WindowFit::matrix() {
 }
 
 // Each element of B'W r is a linear form of the pixels: of those of the other image through the weights by which its
-// points are made of them, of those of the reference through (1, 4, 1) / 6 along both axes.
+// points are made of them, of those of the reference likewise.
 WindowFit::Noise WindowFit::noise(const WindowPlacement& placement, double gain) const {
-  const float *u = row(kU), *v = row(kV), *w = row(kWeight), *columns = row(kColumns);
-  const double reach = (placement.map.cwiseAbs().rowwise().sum()).maxCoeff() * (side_ / 2 + 1) + 3;
-  const int size = 2 * static_cast<int>(std::ceil(reach)) + 2;
-  const Eigen::Vector2d corner = placement.position_px.array() - 0.5 - size / 2;
-  const int left = static_cast<int>(std::floor(corner.x())), top = static_cast<int>(std::floor(corner.y()));
-  Forms own = Forms::Zero(kWindowColumns, Eigen::Index(size) * size);
-  const int framed = side_ + 2;
-  Forms reference = Forms::Zero(kWindowColumns, Eigen::Index(framed) * framed);
+  const float *u = row(kU), *v = row(kV), *w = row(kWeight);
+  const auto add = [&](const Eigen::Vector2d& position, const Eigen::Matrix2d& map, const Eigen::Vector2i& frame,
+                       std::vector<float>& forms) {
+    forms.assign(std::size_t(frame.x()) * std::size_t(frame.y()) * kWindowColumns, 0.0F);
+    return add_noise_forms({position, map}, u, v, w, row(kColumns), count(), padded_, frame.x(), forms.data());
+  };
+  constexpr int kBeyond = 3;  // pixels that a point on the rim is made of, and the fraction of its position
+  const double half = side_ / 2 + 0.5;
+  const Eigen::Vector2d reach = placement.map.cwiseAbs() * Eigen::Vector2d(half, half);
+  const Eigen::Vector2i around = reach.array().ceil().cast<int>() + kBeyond;
+  const Eigen::Vector2d fraction = placement.position_px.array() - placement.position_px.array().floor();
+  std::vector<float> forms;
   Noise out;
-  for (int k = 0; k < count(); ++k) {
-    Coefficients c;
-    for (int column = 0; column < kWindowColumns; ++column) c[column] = columns[std::ptrdiff_t{column} * padded_ + k];
-    const Eigen::Vector2d at =
-        placement.position_px - Eigen::Vector2d(left + 0.5, top + 0.5) + placement.map * Eigen::Vector2d(u[k], v[k]);
-    const int column = static_cast<int>(at.x()), line = static_cast<int>(at.y());
-    std::array<double, 4> across, down, slope;
-    spline_weights(at.x() - column, across, slope);
-    spline_weights(at.y() - line, down, slope);
-    out.squares += w[k] * (squared_norm(across) * squared_norm(down) + gain * gain * kTemplateNoise);
-    for (std::size_t j = 0; j < 4; ++j)
-      for (std::size_t i = 0; i < 4; ++i)
-        own.col((Eigen::Index(line) - 1 + Eigen::Index(j)) * size + column - 1 + Eigen::Index(i)) +=
-            float(down[j] * across[i]) * c;
-    for (int j = 0; j < 3; ++j)
-      for (int i = 0; i < 3; ++i)
-        reference.col(Eigen::Index(k / side_ + j) * framed + k % side_ + i) +=
-            float(-gain * (j == 1 ? 4 : 1) * (i == 1 ? 4 : 1) / 36) * c;
-  }
-  out.covariance = covariance_of(own) + covariance_of(reference);
+  out.squares = add(around.cast<double>() + fraction, placement.map, 2 * around + Eigen::Vector2i(1, 1), forms);
+  out.covariance = products_of(forms);
+  const int framed = side_ + 2 * kBeyond;
+  const Eigen::Vector2d corner(kBeyond - 0.5 - u[0] + 1, kBeyond - 0.5 - v[0] + 1);
+  out.squares += gain * gain * add(corner, Eigen::Matrix2d::Identity(), {framed, framed}, forms);
+  out.covariance += gain * gain * products_of(forms);
   return out;
 }
 

@@ -33,11 +33,12 @@ class WindowFit {
   /// Residuals of what was sampled; r'W r.
   double residuals(const WindowLightValues& light);
 
-  [[nodiscard]] ColumnVector score();          ///< B'W r
-  [[nodiscard]] ColumnMatrix matrix();         ///< B'W A
+  [[nodiscard]] ColumnVector score();                                   ///< B'W r
+  [[nodiscard]] ColumnMatrix matrix();                                  ///< B'W A
   [[nodiscard]] const ColumnMatrix& normal() const { return normal_; }  ///< B'W B
 
-  /// Covariance of B'W r for white noise of 1 in the pixels of both images, and the mean of r'W r were all unknowns known.
+  /// Covariance of B'W r for white noise of 1 in the pixels of both images, and the mean of r'W r were all unknowns
+  /// known.
   struct Noise {
     ColumnMatrix covariance;
     double squares = 0;
@@ -47,7 +48,7 @@ class WindowFit {
   [[nodiscard]] double correlation() const;  ///< of S and T, weighted
   [[nodiscard]] double weights() const { return weights_; }
   [[nodiscard]] double template_square() const { return normal_(6, 6); }  ///< sum of w T^2
-  [[nodiscard]] double mean_grey() const { return mean_; }  ///< of the reference, that T is about
+  [[nodiscard]] double mean_grey() const { return mean_; }                ///< of the reference, that T is about
   [[nodiscard]] int side() const { return side_; }
   [[nodiscard]] int count() const { return side_ * side_; }
   [[nodiscard]] const float* residual() const { return row(kResidual); }
@@ -56,8 +57,22 @@ class WindowFit {
   void reweight(const float* factor);
 
  private:
-  enum Row : std::size_t { kU, kV, kFirstWeight, kWeight, kTemplate, kTemplateX, kTemplateY, kGrey, kX, kY, kResidual,
-                           kScratch, kColumns, kRows = kColumns + kWindowColumns };
+  enum Row : std::size_t {
+    kU,
+    kV,
+    kFirstWeight,
+    kWeight,
+    kTemplate,
+    kTemplateX,
+    kTemplateY,
+    kGrey,
+    kX,
+    kY,
+    kResidual,
+    kScratch,
+    kColumns,
+    kRows = kColumns + kWindowColumns
+  };
   [[nodiscard]] float* row(std::size_t i) { return data_.data() + i * std::size_t(padded_); }
   [[nodiscard]] const float* row(std::size_t i) const { return data_.data() + i * std::size_t(padded_); }
   void weigh_columns();

@@ -29,4 +29,14 @@ struct WindowPlacement {
 /// out[k] = sum over `count` points of columns[k * count + point] * values[point], k < kWindowColumns.
 void column_products(const float* columns, const float* values, int count, float* out);
 
+/// What noise of single pixels does to the kWindowColumns sums of column * grey value over the points of a window: a
+/// linear form of the pixels of a frame `width` pixels wide, kWindowColumns numbers a pixel, pixel by pixel.
+/// `placement` is in pixels of the frame, all points two pixels inside. Adds to `forms`, and returns the sum over the
+/// points of weight * (variance of the grey value of a point, for noise of 1).
+double add_noise_forms(const WindowPlacement& placement, const float* u, const float* v, const float* weight,
+                       const float* columns, int points, int count, int width, float* forms);
+
+/// out(i, k) = sum over pixels of forms[pixel, i] * forms[pixel, k], rows of kWindowColumns.
+void forms_products(const float* forms, int pixels, float* out);
+
 }  // namespace collinea
