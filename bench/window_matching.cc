@@ -26,10 +26,10 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
 constexpr int kSide_px = 64;
-constexpr double kBlur_px = 0.6;   // standard deviation of the point spread of both images
+constexpr double kBlur_px = 0.6;  // standard deviation of the point spread of both images
 constexpr double kNoise_grey = 2;
-constexpr int kReduced = 4;        // pixels of a photograph to one of the images made of it
-constexpr double kStart_px = 1;    // the start is off by so much in each direction
+constexpr int kReduced = 4;      // pixels of a photograph to one of the images made of it
+constexpr double kStart_px = 1;  // the start is off by so much in each direction
 constexpr double kChi95[] = {0, 3.8415, 5.9915};
 
 using Grey = std::function<double(const Vector2d&)>;  // of a surface, in pixels of the images, blurred
@@ -63,7 +63,8 @@ Grey rendered(Random& random) {
   }
   for (Blob& blob : blobs) {
     const double sigma_px = random.uniform(0.7, 3), all = sigma_px * sigma_px + kBlur_px * kBlur_px;
-    blob = {{random.uniform(0, kSide_px), random.uniform(0, kSide_px)}, all,
+    blob = {{random.uniform(0, kSide_px), random.uniform(0, kSide_px)},
+            all,
             contrast * random.uniform(-40, 40) * sigma_px * sigma_px / all};
   }
   for (Edge& edge : edges) {
@@ -154,7 +155,9 @@ std::uint8_t pixel_of(double grey, Random& random) {
 Pair pair_of(const Case& what, const Grey& grey, Random& random) {
   Pair pair;
   const Vector2d middle(kSide_px / 2.0, kSide_px / 2.0);
-  const auto within = [&](double reach) { return Vector2d(random.uniform(-reach, reach), random.uniform(-reach, reach)); };
+  const auto within = [&](double reach) {
+    return Vector2d(random.uniform(-reach, reach), random.uniform(-reach, reach));
+  };
   pair.left_px = middle + within(0.5);
   pair.right_px = middle + within(0.5);
   const Matrix2d map = map_of(what.model, random), back = map.inverse();
@@ -164,7 +167,8 @@ Pair pair_of(const Case& what, const Grey& grey, Random& random) {
     for (int x = 0; x < kSide_px; ++x) {
       const Vector2d at(x + 0.5, y + 0.5);
       pair.left.at(x, y) = pixel_of(grey(at), random);
-      pair.right.at(x, y) = pixel_of(gain * (grey(pair.left_px + back * (at - pair.right_px)) - 128) + 128 + offset, random);
+      pair.right.at(x, y) =
+          pixel_of(gain * (grey(pair.left_px + back * (at - pair.right_px)) - 128) + 128 + offset, random);
     }
   pair.start.position_px = pair.right_px + within(kStart_px);
   if (what.model == WindowModel::kLine) {
@@ -224,12 +228,13 @@ void judge(const char* kind, const Case& what, int windows, const std::function<
   if (errors.empty()) return;
   std::sort(errors.begin(), errors.end());
   const double n = double(errors.size());
-  std::printf("| %s | %s | %.1f | %.4f | %.4f | %.4f | %.4f | %.3f | %.1f | %.3f | %.3f | %.1f | %.2f | %.1f | %.0f |\n", kind,
-              what.title, 100 * n / windows, std::sqrt(squares / n), part(errors, 0.5), part(errors, 0.95),
-              part(errors, 0.99), errors.back(), 100 * within / n, std::sqrt(variances / squares),
-              std::sqrt(statistics / n / dimensions), 100 * inside / n, noise / n, iterations / n,
-              1e6 * clocks / CLOCKS_PER_SEC / windows);
-  for (const auto& [outcome, word, meaning] : kWindowOutcomeWords) std::printf("  %s %d", std::string(word).c_str(), outcomes[std::size_t(outcome)]);
+  std::printf(
+      "| %s | %s | %.1f | %.4f | %.4f | %.4f | %.4f | %.3f | %.1f | %.3f | %.3f | %.1f | %.2f | %.1f | %.0f |\n", kind,
+      what.title, 100 * n / windows, std::sqrt(squares / n), part(errors, 0.5), part(errors, 0.95), part(errors, 0.99),
+      errors.back(), 100 * within / n, std::sqrt(variances / squares), std::sqrt(statistics / n / dimensions),
+      100 * inside / n, noise / n, iterations / n, 1e6 * clocks / CLOCKS_PER_SEC / windows);
+  for (const auto& [outcome, word, meaning] : kWindowOutcomeWords)
+    std::printf("  %s %d", std::string(word).c_str(), outcomes[std::size_t(outcome)]);
   std::puts("");
   std::fflush(stdout);
 }
@@ -247,15 +252,15 @@ int main(int argc, char** argv) {
     }
     photographs.push_back(std::move(*image));
   }
-  std::printf("| texture | model | found [%%] | RMS [px] | median | 95 %% | 99 %% | largest | within 0.05 px [%%] | "
-              "sigma / error | errors in sigmas | in 95 %% ellipse [%%] | noise [grey] | iterations | time [us] |\n"
-              "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  std::printf(
+      "| texture | model | found [%%] | RMS [px] | median | 95 %% | 99 %% | largest | within 0.05 px [%%] | "
+      "sigma / error | errors in sigmas | in 95 %% ellipse [%%] | noise [grey] | iterations | time [us] |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   if (photographs.empty())
     for (const Case& what : kCases) judge("rendered", what, windows, rendered);
   if (photographs.empty()) return 0;
   for (const Case& what : kCases)
-    judge("real", what, windows, [&](Random& random) {
-      return real(photographs[random.below(std::uint32_t(photographs.size()))], random);
-    });
+    judge("real", what, windows,
+          [&](Random& random) { return real(photographs[random.below(std::uint32_t(photographs.size()))], random); });
   return 0;
 }

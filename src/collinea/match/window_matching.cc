@@ -20,7 +20,8 @@ constexpr int kMostIterations = 30;
 constexpr int kFixedMaps = 3;  // so many iterations, or until a step is small, the map is not free
 constexpr double kSmallStep_px = 0.3;
 constexpr double kLargestStep_px = 1.5;
-constexpr double kSettled_px = 0.002;  // of any point of the window: a tenth of the sigma of the best matches
+constexpr double kSettled_px = 0.002;       // of any point of the window: a tenth of the sigma of the best matches
+constexpr double kSoftlySettled_px = 0.05;  // while weights follow the residuals, and these the weights
 constexpr double kLargestMapChange = 0.5;
 constexpr double kLeastGain = 0.05;
 constexpr double kLeastNoise_grey = 0.29;  // of whole grey values
@@ -180,11 +181,11 @@ class Matcher {
       const auto step = solved(*now, is_map_free);
       if (!step) return WindowOutcome::kNoTexture;
       const auto moved_px = moved_by(*step);
-      if (!moved_px) return why_not(*now);
-      if (is_map_free && *moved_px < kSettled_px && is_near_) return WindowOutcome::kFound;
+      if (!moved_px) return light_.gain > kLeastGain ? WindowOutcome::kDiverged : WindowOutcome::kUnlike;
+      if (is_near_ && *moved_px < (is_soft_ ? kSoftlySettled_px : kSettled_px)) return WindowOutcome::kFound;
       is_near_ = is_near_ || (is_map_free && *moved_px < kSmallStep_px);
       is_map_free = is_map_free || iteration + 1 >= kFixedMaps || *moved_px < kSmallStep_px;
-      if (options_.robust && !is_rejecting_) fit_.reweight(outliers_.soft(fit_));
+      if (is_soft_) fit_.reweight(outliers_.soft(fit_));
     }
     return WindowOutcome::kNotConverged;
   }
@@ -192,9 +193,9 @@ class Matcher {
   // First with weights that fall with the residuals, then without what these tell to be gross.
   WindowOutcome adjust_robustly() {
     outliers_.begin(fit_);
-    is_rejecting_ = false;
+    is_soft_ = true;
     if (const auto outcome = adjust(); outcome != WindowOutcome::kFound) return outcome;
-    is_rejecting_ = true;
+    is_soft_ = false;
     for (int times = 0; times < kMostRejections; ++times) {
       const bool is_changed = outliers_.reject(fit_);
       if (!is_changed && times > 0) break;
@@ -245,18 +246,6 @@ class Matcher {
       return std::nullopt;
     if (!(light_.gain > kLeastGain)) return std::nullopt;
     return shift_px + change.norm() * (fit_.side() / 2) * std::sqrt(2.0);
-  }
-
-  // Of a step that led away: whether the position could be determined at all there.
-  [[nodiscard]] WindowOutcome why_not(const Equations& last) const {
-    const auto inverse = inverse_of(last.matrix);
-    if (!inverse) return WindowOutcome::kNoTexture;
-    const Selection b = seen_through(start_.map) * selection_;
-    const WindowCovariance cofactor =
-        *inverse * (b.transpose() * fit_.normal() * b) * inverse->transpose() * (1 + light_.gain * light_.gain);
-    const double variance = largest_eigenvalue(position_part(cofactor)) * noise_variance();
-    if (!(variance <= options_.farthest_px * options_.farthest_px)) return WindowOutcome::kNoTexture;
-    return light_.gain > kLeastGain ? WindowOutcome::kDiverged : WindowOutcome::kUnlike;
   }
 
   // Noise, covariance and what is said of the match.
@@ -324,7 +313,7 @@ class Matcher {
   WindowLightValues light_;
   WindowOutliers outliers_;
   double squares_ = 0;
-  bool is_near_ = false, is_rejecting_ = false;
+  bool is_near_ = false, is_soft_ = false;
   int iterations_ = 0;
 };
 

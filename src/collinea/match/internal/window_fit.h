@@ -33,8 +33,10 @@ class WindowFit {
   /// Residuals of what was sampled; r'W r.
   double residuals(const WindowLightValues& light);
 
-  [[nodiscard]] ColumnVector score();                                   ///< B'W r
-  [[nodiscard]] ColumnMatrix matrix();                                  ///< B'W A
+  [[nodiscard]] ColumnVector score();   ///< B'W r
+  [[nodiscard]] ColumnMatrix matrix();  ///< B'W A
+  /// B'W of other residuals of as many points, filled up to whole groups.
+  [[nodiscard]] ColumnVector score_of(const float* residuals) { return products(residuals); }
   [[nodiscard]] const ColumnMatrix& normal() const { return normal_; }  ///< B'W B
 
   /// Covariance of B'W r for white noise of 1 in the pixels of both images, and the mean of r'W r were all unknowns

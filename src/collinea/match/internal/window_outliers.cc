@@ -13,7 +13,7 @@ constexpr float kSigmaOfMedian = 1.4826F;  // of the absolute value of a normal 
 constexpr float kTukey = 4.685F;           // 95 % of the efficiency of least squares
 constexpr float kLeastScale = 0.1F;        // grey: whole numbers smoothed
 constexpr double kFalseAlarm = 0.05;       // a window without outliers
-constexpr int kSamePixels = 3;             // points nearer than this are made of the same pixels
+constexpr int kMargin = 1;                 // points round one that is out, of which the mean is made
 
 float scale_of(const float* values, std::vector<float>& sorted) {
   for (std::size_t k = 0; k < sorted.size(); ++k) sorted[k] = std::abs(values[k]);
@@ -68,8 +68,8 @@ bool WindowOutliers::reject(const WindowFit& fit) {
   for (int y = 0; y < side; ++y)
     for (int x = 0; x < side; ++x) {
       if (out_of_[std::size_t(y * side + x)] <= limit) continue;
-      for (int j = std::max(y - kSamePixels + 1, 0); j < std::min(y + kSamePixels, side); ++j)
-        for (int i = std::max(x - kSamePixels + 1, 0); i < std::min(x + kSamePixels, side); ++i)
+      for (int j = std::max(y - kMargin, 0); j <= std::min(y + kMargin, side - 1); ++j)
+        for (int i = std::max(x - kMargin, 0); i <= std::min(x + kMargin, side - 1); ++i)
           factors_[std::size_t(j * side + i)] = 0;
     }
   share_used_ = double(std::count(factors_.begin(), factors_.end(), 1.0F)) / fit.count();

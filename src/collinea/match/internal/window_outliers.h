@@ -15,8 +15,8 @@ class WindowOutliers {
   void begin(const WindowFit& fit);
   /// Weights that fall to 0 with the residual (Tukey's biweight), to find the way to the solution.
   const float* soft(const WindowFit& fit);
-  /// Leaves out the points whose residual noise would exceed once in twenty windows, with all that are made of the same
-  /// pixels. Whether these are others than before.
+  /// Leaves out the points whose residual, or mean of residuals, noise would exceed once in twenty windows, with those
+  /// round them. Whether these are others than before.
   bool reject(const WindowFit& fit);
   [[nodiscard]] const float* factors() const { return factors_.data(); }
   [[nodiscard]] double share_used() const { return share_used_; }
