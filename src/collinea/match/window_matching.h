@@ -42,11 +42,13 @@ struct WindowOptions {
   double least_correlation = 0.7;
   double largest_sigma_px = 0.25;
 
+  friend bool operator==(const WindowOptions&, const WindowOptions&) = default;
+
+  /// Of all but the model, which the caller asks for by a name of its own.
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = WindowOptions;
-    visit(Field{"model", &O::model, "", "how the window may lie in the other image"});
-    visit(Field{"light", &O::light, "", "what light may differ by"});
+    visit(Field{"light", &O::light, "", "what light may differ by between the images"});
     visit(Field{"window_px", &O::window_px, "px", "side of the window, odd", 7, 101});
     visit(Field{"robust", &O::robust, "",
                 "leaves out what does not belong to the rest, as a part of the window that something hides"});
