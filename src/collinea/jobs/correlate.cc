@@ -2,6 +2,7 @@
 #include "collinea/jobs/correlate.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "collinea/base/file.h"
 #include "collinea/base/parallel.h"
@@ -87,12 +88,37 @@ std::vector<CorrelatedPoint> interest_points_of(const GreyImage& image, int most
   return points;
 }
 
+// The direction of the line of refine line, and whether options of the refinement mean anything.
+Result<Vector2d> line_of(const CorrelateOptions& options) {
+  if (!options.refine && options.window != WindowOptions{})
+    return fail(Errc::kBadInput, "options of the refinement say nothing without it", {"refine"_option});
+  if (!options.line_px) return Vector2d(1, 0);
+  if (options.refine != WindowModel::kLine)
+    return fail(Errc::kBadInput, "a line is given, and the refinement is not along a line",
+                {"line_px"_option, "refine"_option});
+  const auto given = parse_numbers(*options.line_px);
+  if (!given || given->size() != 2 || !(std::hypot((*given)[0], (*given)[1]) > 0))
+    return fail(Errc::kBadInput, "the direction of the line is not two numbers with a comma between",
+                {"line_px"_option});
+  return Vector2d((*given)[0], (*given)[1]);
+}
+
+Result<> check_sides(const CorrelateOptions& options) {
+  for (const auto& [side_px, option] : {std::pair(options.matching.template_px, "template_px"_option),
+                                        std::pair(options.matching.search_px, "search_px"_option),
+                                        std::pair(options.matching.neighbourhood_px, "neighbourhood_px"_option),
+                                        std::pair(options.window.window_px, "window_px"_option)})
+    if (side_px % 2 == 0) return fail(Errc::kBadInput, "the side of a window is odd: it has a middle", {option});
+  return {};
+}
+
 Result<> write_images(const fs::path& folder, const GreyImage& left, const GreyImage& right,
                       const CorrelateReport& report) {
   MarkedImage on_left(left), on_right(right);
   for (const CorrelatedPoint& point : report.points) {
     on_left.cross(point.left_px, 5, point.match ? kMarkRed : kMarkBlue);
-    if (point.match) on_right.cross(point.match->position_px, 5, kMarkRed);
+    if (point.match)
+      on_right.cross(point.is_refined() ? point.refined->position_px : point.match->position_px, 5, kMarkRed);
   }
   COLLINEA_TRY(write_png(folder / "left.png", std::move(on_left).image()));
   return write_png(folder / "right.png", std::move(on_right).image());
@@ -117,10 +143,8 @@ Result<> write_surface(const fs::path& folder, const GreyImage& left, const Grey
 Result<CorrelateReport> correlate_points(const fs::path& left_file, const fs::path& right_file, const fs::path& folder,
                                          const CorrelateOptions& options, const Run& run) {
   COLLINEA_TRY(validate(options));
-  for (const auto& [side_px, option] : {std::pair(options.matching.template_px, "template_px"_option),
-                                        std::pair(options.matching.search_px, "search_px"_option),
-                                        std::pair(options.matching.neighbourhood_px, "neighbourhood_px"_option)})
-    if (side_px % 2 == 0) return fail(Errc::kBadInput, "the side of a window is odd: it has a middle", {option});
+  COLLINEA_TRY(check_sides(options));
+  COLLINEA_TRY(const Vector2d line, line_of(options));
   if (options.points && options.max_points)
     return fail(Errc::kBadInput, "the points are those of the table", {"max_points"_option, "points"_option});
   COLLINEA_TRY(const GreyImage left, read_grey(left_file));
@@ -128,6 +152,8 @@ Result<CorrelateReport> correlate_points(const fs::path& left_file, const fs::pa
   CorrelateReport report{.left = left_file.filename().string(),
                          .right = right_file.filename().string(),
                          .options = options.matching,
+                         .refine = options.refine,
+                         .window = options.window,
                          .is_parallax_found = !options.parallax_px};
   if (options.points) {
     COLLINEA_TRY(report.points, points_of_table(*options.points));
@@ -141,16 +167,23 @@ Result<CorrelateReport> correlate_points(const fs::path& left_file, const fs::pa
   if (needs_parallax) {
     COLLINEA_TRY(expect(report, left, right, options, run));
   }
+  if (options.refine) report.window.model = *options.refine;
   parallel_for(run, report.points.size(), [&](std::size_t i) {
     CorrelatedPoint& point = report.points[i];
     AreaMatching matching = match_area(left, point.left_px, right, point.expected_px, options.matching);
     point.outcome = matching.outcome;
     point.match = matching.match;
     point.candidates = matching.candidates.size();
+    if (options.refine && point.match)
+      point.refined = match_window(left, point.left_px, right,
+                                   {point.match->position_px, Eigen::Matrix2d::Identity(), line}, report.window);
   });
   if (run.stopped()) return fail(Errc::kCancelled, "stopped");
   COLLINEA_TRY(make_out_folder(folder));
   COLLINEA_TRY(write_file(folder / "correlated.txt", text_of(correlated_table(report))));
+  if (options.refine) {
+    COLLINEA_TRY(write_file(folder / "refined.txt", text_of(refined_windows_table(report))));
+  }
   COLLINEA_TRY(write_images(folder, left, right, report));
   if (options.surface_of) {
     COLLINEA_TRY(write_surface(folder, left, right, report, *options.surface_of));

@@ -9,6 +9,7 @@
 #include "collinea/base/result.h"
 #include "collinea/base/run.h"
 #include "collinea/match/area_matching.h"
+#include "collinea/match/window_matching.h"
 #include "collinea/report/correlate_report.h"
 
 namespace collinea {
@@ -19,6 +20,9 @@ struct CorrelateOptions {
   std::optional<std::string> parallax_px = {};
   std::optional<std::string> surface_of = {};
   AreaOptions matching = {};
+  std::optional<WindowModel> refine = {};
+  std::optional<std::string> line_px = {};
+  WindowOptions window = {};
 
   template <class Visit>
   static void describe(Visit&& visit) {
@@ -36,12 +40,19 @@ struct CorrelateOptions {
     visit(Field{"surface_of", &O::surface_of, "",
                 "name of a point whose similarities are drawn (surface.svg) and written (surface.tif)"});
     visit(Part{&O::matching});
+    visit(Field{"refine", &O::refine, "",
+                "least squares matching of what is found, and how its window may lie in the right image; nothing: "
+                "none"});
+    visit(Field{"line_px", &O::line_px, "",
+                "dx,dy: direction of the line of refine line, through the position found; nothing: along the rows, as "
+                "in epipolar images"});
+    visit(Group{"refinement", &O::window});
   }
 };
 
 /// Finds points of one image in another by area matching, and writes into `folder`: correlated.txt, left.png and
-/// right.png (the images with the points: red found, blue not), surface.svg and surface.tif where asked for. Errors:
-/// files, options, columns, images whose parallax is not found, no point of that name; stopped.
+/// right.png (the images with the points: red found, blue not), refined.txt, surface.svg and surface.tif where asked
+/// for. Errors: files, options, columns, images whose parallax is not found, no point of that name; stopped.
 [[nodiscard]] Result<CorrelateReport> correlate_points(const std::filesystem::path& left,
                                                        const std::filesystem::path& right,
                                                        const std::filesystem::path& folder,

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <cmath>
 
 #include "collinea/base/file.h"
@@ -95,6 +96,52 @@ TEST(Correlate, FindsInterestPointsAndTheirParallaxItself) {
   EXPECT_NE(correlate_text(*report).find("found"), std::string::npos);
 }
 
+// Noise of one grey value, rounded, in both images: the errors against the stated covariances, each model. The image is
+// shifted alone, so that every model holds. Windows hardly overlap: e' C^-1 e / axes has the standard deviation
+// sqrt(2 / axes) in each.
+TEST(Correlate, RefinedPositionsErrByTheirSigmas) {
+  const TestFolder folder;
+  const fs::path left = written(folder / "", "left.png", {0, 0}), right = written(folder / "", "right.png", kParallax);
+  std::string points = "point x_left[px] y_left[px]\n";
+  for (int y = 60; y < 240; y += 22)
+    for (int x = 70; x < 310; x += 22)
+      points += "P" + std::to_string(x) + "_" + std::to_string(y) + " " + std::to_string(x) + ".3 " +
+                std::to_string(y) + ".6\n";
+  ASSERT_TRUE(write_file(folder / "points.txt", points));
+  for (const auto& [model, word, help] : kWindowModelWords) {
+    CorrelateOptions options;
+    options.points = folder / "points.txt";
+    options.parallax_px = "23,-5";
+    options.matching.search_px = 41;
+    options.refine = model;
+    if (model == WindowModel::kLine) options.line_px = "0,1";
+    const auto report = correlate_points(left, right, folder / "out", options, {.threads = 2});
+    ASSERT_TRUE(report) << report.error().message;
+    const double axes = model == WindowModel::kLine ? 1 : 2;
+    double sum = 0;
+    int count = 0;
+    for (const CorrelatedPoint& point : report->points) {
+      if (!point.is_refined()) continue;
+      const Vector2d error = point.left_px - kParallax - point.refined->position_px;
+      // Along a line the distance from it stays that of area matching.
+      sum += model == WindowModel::kLine ? error.y() * error.y() / point.refined->covariance(0, 0)
+                                         : error.dot(point.refined->covariance_px2.inverse() * error);
+      ++count;
+    }
+    ASSERT_GT(count, 80) << word;
+    if (model != WindowModel::kLine) {
+      EXPECT_NEAR(sum / count / axes, 1, 4 * std::sqrt(2 / axes / count)) << word;
+    }
+    const auto table = read_text_table(folder / "out/refined.txt");
+    ASSERT_TRUE(table) << table.error().message;
+    EXPECT_EQ((*table->words("outcome"))[0], "found");
+    const auto names = window_parameter_names(model, WindowLight::kGainOffset);
+    for (const auto name : names) EXPECT_TRUE(table->has("cov_" + std::string(name) + "_" + std::string(name))) << name;
+    EXPECT_EQ(table->columns.size(), 14 + 2 * names.size() + names.size() * (names.size() + 1) / 2);
+    EXPECT_NE(correlate_text(*report).find(word), std::string::npos);
+  }
+}
+
 TEST(Correlate, SaysWhatIsWrong) {
   const TestFolder folder;
   const fs::path left = written(folder / "", "left.png", {0, 0}), right = written(folder / "", "right.png", kParallax);
@@ -112,6 +159,21 @@ TEST(Correlate, SaysWhatIsWrong) {
   options.matching.template_px = 20;
   EXPECT_EQ(option_of(), "template_px");
   options.matching.template_px = 21;
+  options.window.robust = true;
+  EXPECT_EQ(option_of(), "refine");
+  options.refine = WindowModel::kAffine;
+  options.line_px = "1,0";
+  EXPECT_EQ(option_of(), "line_px");
+  options.refine = WindowModel::kLine;
+  for (const char* wrong : {"1", "0,0", "a,b"}) {
+    options.line_px = wrong;
+    EXPECT_EQ(option_of(), "line_px") << wrong;
+  }
+  options.line_px.reset();
+  options.window.window_px = 20;
+  EXPECT_EQ(option_of(), "window_px");
+  options.window = {};
+  options.refine.reset();
   options.points = folder / "points.txt";
   EXPECT_EQ(option_of(), "max_points");
   options.max_points.reset();

@@ -69,6 +69,33 @@ float slope(const std::uint8_t* pixel, int across, int step) {
   return 0.125f * (difference(pixel - across) + 2 * difference(pixel) + difference(pixel + across));
 }
 
+constexpr double kSlopeNoise = 12.0 / 64;  // variance of Sobel's slope for noise of 1
+
+// The four weights of cubic convolution (Keys 1981, a = -1/2), as the kernels have them.
+std::array<double, 4> cubic_weights(double t) {
+  const double t2 = t * t, t3 = t2 * t;
+  return {-t3 / 2 + t2 - t / 2, 1.5 * t3 - 2.5 * t2 + 1, -1.5 * t3 + 2 * t2 + t / 2, t3 / 2 - t2 / 2};
+}
+double squared_norm(const std::array<double, 4>& w) { return w[0] * w[0] + w[1] * w[1] + w[2] * w[2] + w[3] * w[3]; }
+
+// What noise of 1 in the pixels of the reference adds to J'W J: its slopes and grey values share none.
+Eigen::Matrix<double, kUnknowns, kUnknowns> noise_of_normal(const Eigen::Vector2d& position) {
+  const Points& p = points();
+  Eigen::Matrix<double, kUnknowns, kUnknowns> out = Eigen::Matrix<double, kUnknowns, kUnknowns>::Zero();
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    const Eigen::Vector3d by(1, p.u[i] - position.x(), p.v[i] - position.y());
+    const Eigen::Matrix3d squares = p.weight[i] * kSlopeNoise * by * by.transpose();
+    const int along_x[] = {0, 2, 3}, along_y[] = {1, 4, 5};
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b) {
+        out(along_x[a], along_x[b]) += squares(a, b);
+        out(along_y[a], along_y[b]) += squares(a, b);
+      }
+  }
+  out(6, 6) = p.weights;
+  return out;
+}
+
 }  // namespace
 
 std::optional<Patch> cut_patch(const GreyImage& level, double pixel_px, const Eigen::Vector2d& position_px) {
@@ -126,7 +153,8 @@ std::optional<ReferenceWindow> ReferenceWindow::of(const Patch& patch, const Eig
       window.weighted_[k * kWindowFloats + i] = of[k] * p.weight[i];
     }
   }
-  Matrix8d normal, twice;  // derivatives weighted once and twice
+  Matrix8d& normal = window.normal_;
+  Matrix8d& twice = window.twice_weighted_;
   for (int k = 0; k < kUnknowns; ++k) {
     float once[kUnknowns], squared[kUnknowns];
     const std::ptrdiff_t column = std::ptrdiff_t{k} * kWindowFloats;
@@ -191,13 +219,60 @@ std::optional<LeastSquaresMatch> ReferenceWindow::find(const Patch& other, const
     if (!((now.position_px - start.position_px).norm() <= farthest_px)) return std::nullopt;
     if (!((first_inverse * now.warp - Eigen::Matrix2d::Identity()).norm() <= kLargestChange)) return std::nullopt;
     if (step.head<2>().norm() > kSettled) continue;
+    // A sigma as if the residuals were white: too small (covariance_px2), but what is refused was settled with it.
     const Eigen::Matrix2d cofactor = cofactor_ * (squares_left / redundancy_);
     if (correlation < kLeastCorrelation || largest_eigenvalue(cofactor) > kLargestSigma * kLargestSigma)
       return std::nullopt;
-    const Eigen::Matrix2d px_from_spacings = now.warp * spacing_px_;
-    return LeastSquaresMatch{now, px_from_spacings * cofactor * px_from_spacings.transpose(), correlation};
+    return LeastSquaresMatch{now, correlation, gain, squares_left};
   }
   return std::nullopt;
+}
+
+// N is J'W J of the noisy slopes: too large by their noise, the step that a change of the other image makes is
+// M^-1 J'W of it, M = N less that noise. J'W r is a linear form of the pixels, those of the other image through the
+// weights of the interpolation.
+std::optional<Eigen::Matrix2d> ReferenceWindow::covariance_px2(const Patch& other,
+                                                               const LeastSquaresMatch& match) const {
+  const Points& p = points();
+  const Eigen::Matrix2d step = match.placement.warp * (spacing_px_ / other.pixel_px);
+  const Eigen::Vector2d middle =
+      (match.placement.position_px - other.corner_px) / other.pixel_px - Eigen::Vector2d(0.5, 0.5) - step * position_;
+  const double other_noise = 1 / (match.gain * match.gain);  // variance in grey values of the reference
+  // Noise of the grey values: r'W r has on an average `expected` times its variance.
+  const Eigen::Matrix<double, kUnknowns, kUnknowns> lost = inverse_ * twice_weighted_;
+  double expected = p.weights - lost.trace();
+  const auto weights_of = [&](std::size_t i, std::array<double, 4>& across, std::array<double, 4>& down) {
+    const Eigen::Vector2d at = middle + step * Eigen::Vector2d(p.u[i], p.v[i]);
+    const Eigen::Vector2d low = at.array().floor();
+    across = cubic_weights(at.x() - low.x());
+    down = cubic_weights(at.y() - low.y());
+    return Eigen::Vector2i(low.cast<int>() - Eigen::Vector2i(1, 1));
+  };
+  std::array<double, 4> across, down;
+  Eigen::Matrix<double, kUnknowns, Eigen::Dynamic> forms =
+      Eigen::Matrix<double, kUnknowns, Eigen::Dynamic>::Zero(kUnknowns, Patch::kSize * Patch::kSize);
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    const Eigen::Vector2i corner = weights_of(i, across, down);
+    if (corner.minCoeff() < 0 || corner.maxCoeff() + 4 > Patch::kSize) return std::nullopt;
+    expected += other_noise * p.weight[i] * squared_norm(across) * squared_norm(down);
+    Eigen::Matrix<double, kUnknowns, 1> c;
+    for (int k = 0; k < kUnknowns; ++k) c[k] = weighted_[std::size_t(k) * kWindowFloats + i];
+    for (int y = 0; y < 4; ++y)
+      for (int x = 0; x < 4; ++x)
+        forms.col((corner.y() + y) * Patch::kSize + corner.x() + x) +=
+            across[std::size_t(x)] * down[std::size_t(y)] * c;
+  }
+  const Eigen::Matrix<double, kUnknowns, kUnknowns> of_other = other_noise * (forms * forms.transpose());
+  expected -= (inverse_ * of_other).trace();
+  if (!(expected > 0)) return std::nullopt;
+  const double variance = match.squares_left / expected;
+  const Matrix8d without_noise = normal_ - variance * noise_of_normal(position_);
+  const Eigen::LDLT<Matrix8d> solver(without_noise);
+  if (solver.info() != Eigen::Success || !(solver.vectorD().minCoeff() > 0)) return std::nullopt;
+  const Eigen::Matrix<double, kUnknowns, 2> rows = solver.solve(Matrix8d::Identity()).leftCols<2>();
+  const Eigen::Matrix2d cofactor = rows.transpose() * (of_other + twice_weighted_) * rows;
+  const Eigen::Matrix2d px_from_spacings = match.placement.warp * spacing_px_;
+  return Eigen::Matrix2d(variance * px_from_spacings * cofactor * px_from_spacings.transpose());
 }
 
 }  // namespace collinea

@@ -33,8 +33,9 @@ struct Placement {
 
 struct LeastSquaresMatch {
   Placement placement;
-  Eigen::Matrix2d covariance_px2;  ///< of the position, relative to the reference, by what the grey values left
-  double correlation = 0;          ///< of the grey values
+  double correlation = 0;   ///< of the grey values
+  double gain = 1;          ///< of the other image against the reference
+  double squares_left = 0;  ///< weighted sum of squared residuals, in grey values of the reference
 };
 
 /// A window of a reference image that is looked for in others by least squares matching (Ackermann 1984; Gruen 1985):
@@ -53,6 +54,11 @@ class ReferenceWindow {
   [[nodiscard]] std::optional<LeastSquaresMatch> find(const Patch& other, const Placement& start,
                                                       double farthest_px) const;
 
+  /// Covariance of the position found [px2], relative to the reference, for white noise of equal size in the pixels of
+  /// both images, as the residuals show it: what interpolation makes of it is followed exactly, and what noise adds to
+  /// the squares of the slopes is taken off. Costs about as much as finding it. Nothing where noise is all there is.
+  [[nodiscard]] std::optional<Eigen::Matrix2d> covariance_px2(const Patch& other, const LeastSquaresMatch& match) const;
+
  private:
   using Values = std::array<float, kWindowFloats>;
   using Matrix8d = Eigen::Matrix<double, kUnknowns, kUnknowns>;
@@ -62,7 +68,8 @@ class ReferenceWindow {
   Values grey_{};                                            // minus its mean
   double grey_square_ = 0;                                   // weighted mean
   std::array<float, kUnknowns * kWindowFloats> weighted_{};  // derivatives by position, map, gain and offset, by weight
-  Matrix8d inverse_;                                         // of the normal matrix
+  Matrix8d normal_, inverse_;                                // J'W J, and its inverse
+  Matrix8d twice_weighted_;                                  // J'W W J
   Eigen::Matrix2d cofactor_;                                 // of the position, for equally good grey values
   double redundancy_ = 0;                                    // in weights
 };

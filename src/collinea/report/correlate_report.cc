@@ -75,6 +75,71 @@ std::string precision_text(const CorrelateReport& report) {
       median(sigmas));
 }
 
+std::string unit_of(std::string_view parameter) {
+  if (parameter == "x" || parameter == "y" || parameter == "along") return "px";
+  return parameter == "offset" ? "grey" : "";
+}
+
+// Titles of the covariances of the parameters: the upper triangle, row by row.
+void add_covariance_titles(const std::vector<std::string_view>& names, TextTable& table) {
+  for (std::size_t i = 0; i < names.size(); ++i)
+    for (std::size_t k = i; k < names.size(); ++k) {
+      const std::string a = unit_of(names[i]), b = unit_of(names[k]);
+      std::string unit = a.empty() ? b : a;
+      if (!a.empty() && !b.empty()) unit = a == b ? a + "2" : a + "*" + b;
+      table.columns.push_back({fmt::format("cov_{}_{}", names[i], names[k]), unit});
+    }
+}
+
+std::vector<std::string> refined_cells(const WindowMatch& m) {
+  const double x = std::sqrt(m.covariance_px2(0, 0)), y = std::sqrt(m.covariance_px2(1, 1));
+  std::vector<std::string> cells;
+  for (const auto& [value, decimals] :
+       {std::pair(m.position_px.x(), 4), std::pair(m.position_px.y(), 4), std::pair(x, 4), std::pair(y, 4),
+        std::pair(m.covariance_px2(0, 1) / std::max(x * y, 1e-12), 3), std::pair(m.correlation, 4),
+        std::pair(m.noise_grey, 2), std::pair(m.redundancy, 0), std::pair(m.share_used, 3)})
+    cells.push_back(decimal_text(value, decimals));
+  cells.push_back(std::to_string(m.iterations));
+  for (Eigen::Index i = 0; i < m.parameters.size(); ++i) {
+    cells.push_back(decimal_text(m.parameters[i], 5));
+    cells.push_back(decimal_text(std::sqrt(m.covariance(i, i)), 5));
+  }
+  for (Eigen::Index i = 0; i < m.parameters.size(); ++i)
+    for (Eigen::Index k = i; k < m.parameters.size(); ++k) cells.push_back(fmt::format("{:.4e}", m.covariance(i, k)));
+  return cells;
+}
+
+std::string refinement_text(const CorrelateReport& report) {
+  if (!report.refine) return "";
+  std::vector<double> sigmas, noises, moves;
+  std::size_t tried = 0;
+  std::string outcomes;
+  for (const auto& [outcome, word, help] : kWindowOutcomeWords) {
+    std::size_t count = 0;
+    for (const CorrelatedPoint& point : report.points)
+      count += point.refined && point.refined->outcome == outcome ? 1U : 0U;
+    tried += count;
+    if (count > 0 && outcome != WindowOutcome::kFound)
+      outcomes += fmt::format("  {:<13} {:>7}  {}\n", word, count, help);
+  }
+  for (const CorrelatedPoint& point : report.points)
+    if (point.is_refined()) {
+      const double axes = report.refine == WindowModel::kLine ? 1 : 2;
+      sigmas.push_back(std::sqrt(point.refined->covariance_px2.trace() / axes));
+      noises.push_back(point.refined->noise_grey);
+      moves.push_back((point.refined->position_px - point.match->position_px).norm());
+    }
+  std::string text = fmt::format("refined by least squares matching ({}, light {}{}): {} of {}\n",
+                                 word_of(*report.refine), word_of(report.window.light),
+                                 report.window.robust ? ", robust" : "", sigmas.size(), counted_text(tried, "point"));
+  if (!sigmas.empty())
+    text += fmt::format(
+        "standard deviation of a coordinate, median: {:.3f} px; noise of a pixel, median: {:.1f} grey values; moved by "
+        "{:.2f} px (median)\n",
+        median(sigmas), median(noises), median(moves));
+  return text + outcomes;
+}
+
 // Shades from the worst value (black) to the best (white).
 void draw_map(Svg& svg, const CorrelationSurface& surface, float low, float high) {
   const double side = kMapSide / std::max(surface.values.width, surface.values.height);
@@ -112,12 +177,43 @@ TextTable correlated_table(const CorrelateReport& report) {
   return table;
 }
 
+TextTable refined_windows_table(const CorrelateReport& report) {
+  TextTable table;
+  table.columns = {{"point", ""},          {"x_left", "px"},    {"y_left", "px"},  {"outcome", ""},
+                   {"x_right", "px"},      {"y_right", "px"},   {"sigma_x", "px"}, {"sigma_y", "px"},
+                   {"correlation_xy", ""}, {"correlation", ""}, {"noise", "grey"}, {"redundancy", ""},
+                   {"share_used", ""},     {"iterations", ""}};
+  const WindowModel model = report.refine.value_or(WindowModel::kTranslation);
+  const auto names = window_parameter_names(model, report.window.light);
+  for (const std::string_view name : names) {
+    table.columns.push_back({"parameter_" + std::string(name), unit_of(name)});
+    table.columns.push_back({"sigma_parameter_" + std::string(name), unit_of(name)});
+  }
+  add_covariance_titles(names, table);
+  for (const CorrelatedPoint& p : report.points) {
+    if (!p.refined) continue;
+    std::vector<std::string> row = {p.name, decimal_text(p.left_px.x(), 3), decimal_text(p.left_px.y(), 3),
+                                    std::string(word_of(p.refined->outcome))};
+    if (p.is_refined()) {
+      const auto cells = refined_cells(*p.refined);
+      row.insert(row.end(), cells.begin(), cells.end());
+    } else {
+      row.resize(table.columns.size());
+    }
+    table.rows.push_back(std::move(row));
+  }
+  table.remarks = {fmt::format("points of {} in {} by least squares matching: {}, light {}, window {} px", report.left,
+                               report.right, word_of(model), word_of(report.window.light), report.window.window_px)};
+  return table;
+}
+
 std::string correlate_text(const CorrelateReport& report) {
   std::string text = fmt::format("{} of {} in {} by {}; mean parallax {:.1f} {:.1f} px ({})\n",
                                  counted_text(report.points.size(), "point"), report.left, report.right,
                                  word_of(report.options.method), report.parallax_px.x(), report.parallax_px.y(),
                                  report.is_parallax_found ? "found" : "given");
-  text += outcomes_text(report) + precision_text(report) + indented_rows(rows_of(report, kShown));
+  text +=
+      outcomes_text(report) + precision_text(report) + refinement_text(report) + indented_rows(rows_of(report, kShown));
   if (report.points.size() > kShown) text += fmt::format("  ... {} more\n", report.points.size() - kShown);
   return text;
 }

@@ -7,6 +7,7 @@
 
 #include "collinea/io/text_table.h"
 #include "collinea/match/area_matching.h"
+#include "collinea/match/window_matching.h"
 
 namespace collinea {
 
@@ -17,11 +18,16 @@ struct CorrelatedPoint {
   AreaOutcome outcome = AreaOutcome::kOutside;
   std::optional<AreaMatch> match;
   std::size_t candidates = 0;
+  std::optional<WindowMatch> refined = {};  ///< by least squares matching, where that was asked for and it was found
+
+  [[nodiscard]] bool is_refined() const { return refined && refined->outcome == WindowOutcome::kFound; }
 };
 
 struct CorrelateReport {
   std::string left, right;  ///< files
   AreaOptions options;
+  std::optional<WindowModel> refine = {};
+  WindowOptions window = {};          ///< of the refinement
   Eigen::Vector2d parallax_px{0, 0};  ///< left less right, where points are expected without a position of their own
   bool is_parallax_found = false;     ///< by matching on small images
   std::vector<CorrelatedPoint> points;
@@ -30,6 +36,9 @@ struct CorrelateReport {
 /// A row a point: position on the left, what became of it, position on the right with standard deviations, similarity,
 /// distance on the way back, candidates.
 [[nodiscard]] TextTable correlated_table(const CorrelateReport& report);
+/// A row a point that was found: what became of its least squares matching, position with standard deviations, noise,
+/// parameters with standard deviations, and their covariances.
+[[nodiscard]] TextTable refined_windows_table(const CorrelateReport& report);
 /// For a terminal: how many points ended how, precision, the first rows.
 [[nodiscard]] std::string correlate_text(const CorrelateReport& report);
 /// A picture by itself: the similarities round the expected position as shades, and their profiles through the best one
