@@ -8,7 +8,9 @@
 #include <functional>
 #include <map>
 #include <numeric>
+#include <tuple>
 
+#include "collinea/base/parallel.h"
 #include "collinea/feature/foerstner.h"
 #include "collinea/feature/internal/interest_kernels.h"
 #include "collinea/feature/internal/separable_rows.h"
@@ -29,6 +31,7 @@ constexpr double kLargestElongation = 10;  // of a blob (Lowe 2004)
 constexpr double kSamePoint_px = 0.5;
 constexpr double kLeastOfRegion = 0.02;  // of the contrast that the image asks for
 constexpr double kCircleMisfit = 0.1;    // of a circle beside that of a corner: where both fit, it is a corner
+constexpr int kStripRows = 256, kPlateauRows = 24;
 constexpr float kRounding_grey = 1e-3f;  // of sums of floats: responses of blobs below it are none
 
 bool is_blob(InterestOperator method) {
@@ -320,6 +323,28 @@ bool is_isolated(const GreyImage& image, int column, int row, const InterestOpti
   const float before = strongest();
   part.at(at_x - left, at_y - top) = replaced;
   return strongest() < static_cast<float>(kIsolatedShare) * before;
+}
+
+std::vector<MapPixel> interest_pixels(const GreyImage& image, const InterestOptions& o, const Run& run) {
+  COLLINEA_CHECK(o.threshold && o.method != InterestOperator::kSift);
+  // Rows around a strip on which its responses, and whether they are maxima, depend.
+  const int around = 2 * margin(o) + 2 * o.radius_px + kPlateauRows;
+  std::vector<std::vector<MapPixel>> found(std::size_t((image.height + kStripRows - 1) / kStripRows));
+  parallel_for(run, found.size(), [&](std::size_t i) {
+    const int begin = int(i) * kStripRows, end = std::min(begin + kStripRows, image.height);
+    const int top = std::max(begin - around, 0), bottom = std::min(end + around, image.height);
+    GreyImage strip(image.width, bottom - top);
+    std::copy(image.row(top), image.row(top) + strip.data.size(), strip.data.begin());
+    for (MapPixel m : local_maxima(interest_map(strip, o), o.radius_px, static_cast<float>(*o.threshold))) {
+      m.row += top;
+      if (m.row < begin || m.row >= end || is_at_the_rim(m, image, o)) continue;
+      if (o.keep_isolated || !is_isolated(image, m.column, m.row, o)) found[i].push_back(m);
+    }
+  });
+  std::vector<MapPixel> all;
+  for (const std::vector<MapPixel>& part : found) all.insert(all.end(), part.begin(), part.end());
+  std::ranges::sort(all, {}, [](const MapPixel& m) { return std::tuple(-m.value, m.row, m.column); });
+  return all;
 }
 
 double contrast_power(InterestOperator method) {

@@ -57,9 +57,10 @@ std::string map_text(const PairMap& map) {
       100 * double(map.interpolated_cells) / cells, 100 * double(map.painted_cells) / cells, map.mean_sigma_m);
 }
 
-std::string orientation_text(const PairOrientation& of) {
-  std::string text = fmt::format("relative orientation by {}: {} points, {} rejected, sigma0 {:.3f} px\n", of.by,
-                                 of.points, of.rejected, of.sigma0_px);
+std::string orientation_text(const PairOrientation& of, int shrink) {
+  const std::string where = of.shrink == shrink ? "" : fmt::format(" at 1/{} of the size", of.shrink);
+  std::string text = fmt::format("relative orientation by {}{}: {} points, {} rejected, sigma0 {:.3f} px\n", of.by,
+                                 where, of.points, of.rejected, of.sigma0_px);
   const auto elements = dependent_elements(of.orientation.second_from_first);
   if (!elements) return text + "  the base lies across x: no elements of the dependent form\n";
   const Matrix5 by = dependent_by_change(of.orientation.second_from_first);
@@ -109,7 +110,7 @@ std::string pair_text(const PairReport& report) {
                         i == 0 ? "left" : "right", report.scans[i].marks, report.scans[i].misread,
                         report.scans[i].rms_um, report.scans[i].pixel_um);
   text += search_text(report);
-  for (const PairOrientation& orientation : report.orientations) text += orientation_text(orientation);
+  for (const PairOrientation& orientation : report.orientations) text += orientation_text(orientation, report.shrink);
   text += fmt::format(
       "epipolar images: {} x {} and {} x {} px, principal distance {:.1f} px; y-parallax of the points {:.3f} px RMS; "
       "a "

@@ -28,6 +28,7 @@ struct PairOrientation {
   std::size_t points = 0, rejected = 0;
   RelativeOrientation orientation;
   double sigma0_px = 0;
+  int shrink = 1;  ///< of the images, against the files
 };
 
 /// The interior orientation of a scan of film.
