@@ -89,6 +89,16 @@ class Normals {
   const FloatImage& disparity_;
 };
 
+template <int kChannels, auto kValue>
+void resample_row(const Raster<std::uint8_t>& image, const ResamplingLattice& lattice, int row,
+                  Raster<std::uint8_t>& result) {
+  std::uint8_t* out = result.row(row);
+  for (int x = 0; x < result.width; ++x) {
+    const Eigen::Vector2f at = lattice.sample_of(x, row);
+    for (int c = 0; c < kChannels; ++c) *out++ = kValue(image, at.x(), at.y(), c);
+  }
+}
+
 }  // namespace
 
 double EpipolarPair::disparity_at(double depth_m) const {
@@ -162,16 +172,17 @@ ResamplingLattice::ResamplingLattice(const Camera& camera_of_image, const Eigen:
 
 Raster<std::uint8_t> resampled(const Raster<std::uint8_t>& image, const Camera& camera_of_image,
                                const Eigen::Quaterniond& camera_from_image, const Camera& camera, const Run& run,
-                               const RayBend& bend) {
+                               const RayBend& bend, Interpolation interpolation) {
   const ResamplingLattice lattice(camera_of_image, camera_from_image, camera, run, bend);
+  const bool is_cubic = interpolation == Interpolation::kBicubic;
   Raster<std::uint8_t> result(camera.width_px, camera.height_px, image.channels);
   parallel_for(run, std::size_t(result.height), [&](std::size_t row) {
-    const int y = int(row);
-    for (int x = 0; x < result.width; ++x) {
-      const Eigen::Vector2f at = lattice.sample_of(x, y);
-      for (int c = 0; c < image.channels; ++c)
-        result.at(x, y, c) = image.channels == 1 ? cubic<1>(image, at.x(), at.y()) : cubic<3>(image, at.x(), at.y(), c);
-    }
+    if (image.channels == 1)
+      is_cubic ? resample_row<1, cubic<1>>(image, lattice, int(row), result)
+               : resample_row<1, linear<1>>(image, lattice, int(row), result);
+    else
+      is_cubic ? resample_row<3, cubic<3>>(image, lattice, int(row), result)
+               : resample_row<3, linear<3>>(image, lattice, int(row), result);
   });
   return result;
 }

@@ -10,6 +10,7 @@
 #include "collinea/block/block.h"
 #include "collinea/dense/internal/disparity_map.h"
 #include "collinea/dense/internal/fused_point.h"
+#include "collinea/raster/interpolation.h"
 
 namespace collinea {
 
@@ -60,11 +61,12 @@ class ResamplingLattice {
   std::vector<Eigen::Vector2f> nodes_;
 };
 
-/// An image (1 or 3 channels) as `camera` sees it, which is turned by camera_from_image, without the bend of its rays;
-/// bicubic. 0 where the image has nothing, else 1 to 255.
+/// An image (1 or 3 channels) as `camera` sees it, which is turned by camera_from_image, without the bend of its rays.
+/// 0 where the image has nothing, else 1 to 255.
 [[nodiscard]] Raster<std::uint8_t> resampled(const Raster<std::uint8_t>& image, const Camera& camera_of_image,
                                              const Eigen::Quaterniond& camera_from_image, const Camera& camera,
-                                             const Run& run, const RayBend& bend = {});
+                                             const Run& run, const RayBend& bend = {},
+                                             Interpolation interpolation = Interpolation::kBicubic);
 
 /// The disparities of points that both cameras see, but the grossest half per cent on either side, and more beyond: a
 /// tenth of what is farthest and eight tenths of what is nearest (trees and masts seldom have tie points), or three

@@ -163,8 +163,10 @@ PairReport report_of(const PairFiles& pair, int shrink, const PairChainOptions& 
   PairReport report{.left_width_px = left.width_px,
                     .left_height_px = left.height_px,
                     .shrink = shrink,
+                    .resampling = options.resampling,
                     .surface = options.surface,
                     .has_base = options.base_m.has_value()};
+  if (pair.film) report.pixel_um = 1e3 * pair.film->ideal.pixel_mm * shrink;
   if (pair.film)
     for (const ScanOrientation* scan : {&pair.film->left, &pair.film->right})
       report.scans.push_back({scan->marks, scan->misread(), 1e3 * scan->rms_mm(), 1e3 * scan->pixel_mm()});
@@ -191,7 +193,7 @@ Result<PairReport> orient_and_match(const fs::path& left, const fs::path& right,
     COLLINEA_TRY(orient_absolutely(*options.control, pair, model, options.control_sigma_px, report));
   }
   COLLINEA_TRY(write_file(folder / "points.txt", text_of(point_table(model))));
-  EpipolarImages epipolar = epipolar_images(std::move(found.images), model, run);
+  EpipolarImages epipolar = epipolar_images(std::move(found.images), model, options.resampling, run);
   if (run.stopped()) return fail(Errc::kCancelled, "stopped");
   COLLINEA_TRY(write_epipolar(epipolar, folder, run));
   COLLINEA_TRY(const PairCloudSummary cloud,

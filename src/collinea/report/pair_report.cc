@@ -76,6 +76,23 @@ std::string orientation_text(const PairOrientation& of, int shrink) {
   return text;
 }
 
+// Their pixels in the middle are as large as those of the images.
+std::string epipolar_text(const PairReport& report) {
+  const Camera &left = report.epipolar.left, &right = report.epipolar.right;
+  std::string text = fmt::format(
+      "epipolar images: {} x {} and {} x {} px, principal distance {:.1f} px; y-parallax of the points {:.3f} px RMS; "
+      "a row is known to {:.2f} px\n",
+      left.width_px, left.height_px, right.width_px, right.height_px, left.focal_px(), report.y_parallax_rms_px,
+      report.row_sigma_px);
+  text += fmt::format("  {}, principal points {:.1f}, {:.1f} and {:.1f}, {:.1f} px", word_of(report.resampling),
+                      left.params[Camera::kCx], left.params[Camera::kCy], right.params[Camera::kCx],
+                      right.params[Camera::kCy]);
+  if (report.pixel_um)
+    text += fmt::format("; pixel {:.3f} um, principal distance {:.3f} mm", *report.pixel_um,
+                        1e-3 * *report.pixel_um * left.focal_px());
+  return text + "\n";
+}
+
 std::string surface_text(const PairReport& report) {
   std::string text = fmt::format("surface: {}, {} points", word_of(report.surface), report.surface_points);
   text += fmt::format("; median sigma {:.3f} px, {:.4f} {} in depth\n", report.median_sigma_px, report.median_sigma_z,
@@ -111,12 +128,7 @@ std::string pair_text(const PairReport& report) {
                         report.scans[i].rms_um, report.scans[i].pixel_um);
   text += search_text(report);
   for (const PairOrientation& orientation : report.orientations) text += orientation_text(orientation, report.shrink);
-  text += fmt::format(
-      "epipolar images: {} x {} and {} x {} px, principal distance {:.1f} px; y-parallax of the points {:.3f} px RMS; "
-      "a "
-      "row is known to {:.2f} px\n",
-      report.epipolar.left.width_px, report.epipolar.left.height_px, report.epipolar.right.width_px,
-      report.epipolar.right.height_px, report.epipolar.left.focal_px(), report.y_parallax_rms_px, report.row_sigma_px);
+  text += epipolar_text(report);
   text += surface_text(report);
   if (report.absolute) text += absolute_text(report);
   if (report.map) text += map_text(*report.map);

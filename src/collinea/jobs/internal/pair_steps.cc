@@ -12,8 +12,10 @@
 #include "collinea/base/parallel.h"
 #include "collinea/dense/working_images.h"
 #include "collinea/geometry/rotation.h"
+#include "collinea/io/colmap.h"
 #include "collinea/io/number_rows.h"
 #include "collinea/match/least_squares_matching.h"
+#include "collinea/project/fitted_camera.h"
 #include "collinea/raster/image_file.h"
 
 namespace collinea {
@@ -38,18 +40,38 @@ Eigen::Matrix3d essential_of(const Rigid3& second_from_first) {
 
 constexpr double kFarthest_px = 2;  // that least squares matching may move a point
 
-Result<Camera> camera_of(const fs::path& file, const PairChainOptions& options) {
-  COLLINEA_TRY(const ImageHeader header, read_image_header(file));
-  Camera camera = ideal_camera(*options.principal_distance_px, header.width_px, header.height_px);
-  if (options.principal_point_px) {
-    const auto point = parse_numbers(*options.principal_point_px);
-    if (!point || point->size() != 2)
-      return fail(Errc::kBadInput, "the principal point is not two numbers with a comma between",
-                  {"principal_point_px"_option});
+// Cameras of a file, as large as the images.
+Result<std::array<Camera, 2>> cameras_of_file(const PairChainOptions& options, const std::array<ImageHeader, 2>& headers,
+                                              const std::array<fs::path, 2>& files) {
+  COLLINEA_TRY(const std::vector<Camera> known, read_colmap_cameras(*options.camera));
+  if (known.size() > 2)
+    return fail(Errc::kBadInput,
+                fmt::format("{}: {} cameras; a pair has one or two", options.camera->string(), known.size()),
+                {"camera"_option});
+  std::array<Camera, 2> cameras;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Camera& camera = known[std::min(i, known.size() - 1)];
+    COLLINEA_TRY(cameras[i], fitted_to(camera, headers[i].width_px, headers[i].height_px, files[i].string()));
+  }
+  return cameras;
+}
+
+// Ideal cameras by the principal distance.
+Result<std::array<Camera, 2>> cameras_by_options(const PairChainOptions& options,
+                                                 const std::array<ImageHeader, 2>& headers) {
+  std::array<Camera, 2> cameras;
+  for (std::size_t i = 0; i < 2; ++i)
+    cameras[i] = ideal_camera(*options.principal_distance_px, headers[i].width_px, headers[i].height_px);
+  if (!options.principal_point_px) return cameras;
+  const auto point = parse_numbers(*options.principal_point_px);
+  if (!point || point->size() != 2)
+    return fail(Errc::kBadInput, "the principal point is not two numbers with a comma between",
+                {"principal_point_px"_option});
+  for (Camera& camera : cameras) {
     camera.params[Camera::kCx] = (*point)[0];
     camera.params[Camera::kCy] = (*point)[1];
   }
-  return camera;
+  return cameras;
 }
 
 }  // namespace
@@ -74,12 +96,19 @@ Result<PairFiles> open_pair(const fs::path& left, const fs::path& right, const f
     pair.cameras.fill(pair.film->ideal.camera);
     return pair;
   }
-  if (!options.principal_distance_px)
+  if (options.camera && (options.principal_distance_px || options.principal_point_px))
+    return fail(Errc::kBadInput, "the camera file states principal distance and principal point",
+                {"camera"_option, "principal_distance_px"_option, "principal_point_px"_option});
+  if (!options.camera && !options.principal_distance_px)
     return fail(Errc::kBadInput, "nothing says the principal distance of the images",
-                {"principal_distance_px"_option, "film"_option});
+                {"principal_distance_px"_option, "camera"_option, "film"_option});
   pair.files = {left, right};
-  COLLINEA_TRY(pair.cameras[0], camera_of(left, options));
-  COLLINEA_TRY(pair.cameras[1], camera_of(right, options));
+  std::array<ImageHeader, 2> headers;
+  for (std::size_t i = 0; i < 2; ++i) {
+    COLLINEA_TRY(headers[i], read_image_header(pair.files[i]));
+  }
+  COLLINEA_TRY(pair.cameras, options.camera ? cameras_of_file(options, headers, pair.files)
+                                            : cameras_by_options(options, headers));
   return pair;
 }
 

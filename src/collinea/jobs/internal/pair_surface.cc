@@ -98,12 +98,12 @@ Result<> match_in_parts(const EpipolarImages& images, const DisparityRange& rang
 
 }  // namespace
 
-EpipolarImages epipolar_images(PairImages images, const PairModel& model, const Run& run) {
+EpipolarImages epipolar_images(PairImages images, const PairModel& model, Interpolation resampling, const Run& run) {
   const EpipolarPair& cameras = model.epipolar;
   EpipolarImages made;
-  made.left = resampled(images.left, model.left_camera, cameras.left_from_image, cameras.left, run);
+  made.left = resampled(images.left, model.left_camera, cameras.left_from_image, cameras.left, run, {}, resampling);
   images.left = {};
-  made.right = resampled(images.right, model.right_camera, cameras.right_from_image, cameras.right, run);
+  made.right = resampled(images.right, model.right_camera, cameras.right_from_image, cameras.right, run, {}, resampling);
   return made;
 }
 

@@ -13,7 +13,8 @@ struct EpipolarImages {
 };
 
 /// The images are let go as soon as they are resampled.
-[[nodiscard]] EpipolarImages epipolar_images(PairImages images, const PairModel& model, const Run& run);
+[[nodiscard]] EpipolarImages epipolar_images(PairImages images, const PairModel& model, Interpolation resampling,
+                                             const Run& run);
 
 /// Finds the surface as the options ask and writes it as cloud.ply, as it comes: neither the points of a dense surface
 /// nor the disparities of images larger than 20 million pixels are in memory together. Fills `levels` of the report.
