@@ -13,6 +13,7 @@
 #include "collinea/jobs/internal/out_folder.h"
 #include "collinea/jobs/internal/pair_control.h"
 #include "collinea/jobs/internal/pair_map.h"
+#include "collinea/jobs/internal/pair_orientation.h"
 #include "collinea/jobs/internal/pair_surface.h"
 #include "collinea/raster/image_file.h"
 
@@ -25,72 +26,6 @@ constexpr int kLineEvery = 12;  // part of the rows between two lines of the che
 constexpr int kCheckWidth_px = 2000;
 constexpr FileText kPointsRemark =
     "homologous points; coordinates of the image files; y-parallax left by the relative orientation";
-
-// Points of images that are larger by a whole number.
-void enlarge(std::vector<MatchedPoint>& points, int times) {
-  for (MatchedPoint& point : points) {
-    point.left_px *= times;
-    point.right_px *= times;
-  }
-}
-
-struct Oriented {
-  PairImages images;  // as the surface is found on them
-  std::vector<MatchedPoint> points;
-};
-
-// Points are looked for, and measured to fractions of a pixel, on images of moderate size; on larger ones they are
-// measured again.
-Result<Oriented> oriented(const PairFiles& pair, const PairShrinks& shrinks, const PairChainOptions& options,
-                          PairReport& report, const Run& run) {
-  COLLINEA_TRY(PairImages images, read_pair(pair, shrinks.search, run));
-  COLLINEA_TRY(PairPoints found, find_pair_points(images.left, images.right, options.points, run));
-  for (PairPointStage& stage : found.stages) {
-    stage.shrink *= shrinks.search / shrinks.surface;
-    stage.parallax_px *= shrinks.search / shrinks.surface;
-  }
-  report.search = found.stages;
-  run.report("points", 1);
-  std::vector<MatchedPoint> points = std::move(found.points);
-  const auto orient = [&](const std::string& by) -> Result<> {
-    COLLINEA_TRY(PairOrientation next, oriented_by(by, points, images, options.relative, run.seed));
-    next.shrink = images.shrink;
-    report.orientations.push_back(std::move(next));
-    return {};
-  };
-  COLLINEA_TRY(orient("ncc"));
-  if (options.refine) {
-    points = refined(points, images, run);
-    COLLINEA_TRY(orient("lsm"));
-  }
-  if (images.shrink > shrinks.surface) {
-    enlarge(points, images.shrink / shrinks.surface);
-    images = {};
-    COLLINEA_TRY(images, read_pair(pair, shrinks.surface, run));
-    if (options.refine) {
-      points = refined(points, images, run);
-      COLLINEA_TRY(orient("lsm"));
-    }
-  }
-  return Oriented{std::move(images), std::move(points)};
-}
-
-Result<PairModel> model_of(const Oriented& pair, const RelativeOrientation& orientation, double base) {
-  const PairImages& images = pair.images;
-  PairModel model{images.left_camera, images.right_camera, images.shrink, orientation, pair.points, {}, {}};
-  Rigid3 right_from_left = orientation.second_from_first;
-  right_from_left.translation *= base;
-  COLLINEA_TRY(model.epipolar, epipolar_pair(images.left_camera, Rigid3{}, images.right_camera, right_from_left));
-  for (const MatchedPoint& point : model.points) {
-    const Eigen::Vector2d left =
-        in_epipolar(images.left_camera, model.epipolar.left_from_image, model.epipolar.left, point.left_px);
-    const Eigen::Vector2d right =
-        in_epipolar(images.right_camera, model.epipolar.right_from_image, model.epipolar.right, point.right_px);
-    if (left.allFinite() && right.allFinite())
-      model.in_epipolar.push_back({left, left.x() - right.x(), right.y() - left.y(), point.ncc, orientation.sigma0});
-  }
-  return model;
-}
 
 TextTable point_table(const PairModel& model) {
   const double shrink = model.shrink;
@@ -184,7 +119,7 @@ Result<PairReport> orient_and_match(const fs::path& left, const fs::path& right,
   COLLINEA_TRY(const PairFiles pair, open_pair(left, right, folder, options, run));
   COLLINEA_TRY(const PairShrinks shrinks, shrinks_of(pair, options));
   PairReport report = report_of(pair, shrinks.surface, options);
-  COLLINEA_TRY(Oriented found, oriented(pair, shrinks, options, report, run));
+  COLLINEA_TRY(OrientedPair found, orient_pair(pair, shrinks, options, report, run));
   COLLINEA_TRY(const PairModel model,
                model_of(found, report.orientations.back().orientation, options.base_m.value_or(1)));
   report.epipolar = model.epipolar;
