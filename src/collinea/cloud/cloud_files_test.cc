@@ -7,6 +7,7 @@
 #include "collinea/base/packed.h"
 #include "collinea/cloud/las.h"
 #include "collinea/cloud/ply.h"
+#include "collinea/cloud/ply_reader.h"
 #include "collinea/math/random.h"
 
 namespace collinea {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/cloud/ply.h"
+#include "collinea/cloud/ply_reader.h"
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
 #include <span>
 #include <string>
 #include <vector>
@@ -36,23 +35,6 @@ class PlyWriter {
   OutputFile file_;
   std::string comment_;
   std::uint64_t points_ = 0;
-};
-
-/// The points of a file that PlyWriter wrote, so many at a time: for clouds that memory does not hold.
-class PlyReader {
- public:
-  /// Errors: missing, not a file of PlyWriter.
-  static Result<PlyReader> open(const std::filesystem::path& path);
-  /// The next points; none at the end. Errors: truncated, disk.
-  [[nodiscard]] Result<std::vector<CloudPoint>> read(std::size_t most);
-
- private:
-  PlyReader(std::ifstream file, std::string name, std::uint64_t points)
-      : file_(std::move(file)), name_(std::move(name)), left_(points) {}
-
-  std::ifstream file_;
-  std::string name_;
-  std::uint64_t left_;  // not yet read
 };
 
 /// The vertices of a PLY file, text or binary, by the names of PlyWriter; properties it does not know are passed over.

@@ -8,6 +8,7 @@
 #include "collinea/base/parallel_in_order.h"
 #include "collinea/raster/cubic.h"
 #include "collinea/raster/image_file.h"
+#include "collinea/raster/jpeg_writer.h"
 
 namespace collinea {
 namespace {

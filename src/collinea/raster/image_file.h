@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 
@@ -47,26 +46,6 @@ struct ImageHeader {
 /// Writes 8-bit images (1 or 3 channels), atomically. With a header, JPEG gets its EXIF and XMP tags.
 [[nodiscard]] Result<> write_jpeg(const std::filesystem::path& path, const Raster<std::uint8_t>& image, int quality,
                                   const ImageHeader* header = nullptr);
-/// The same from the top down, some rows at a time: for images that memory does not hold. The bytes are those of
-/// write_jpeg().
-class JpegWriter {
- public:
-  /// Errors: not writable, a size that JPEG does not have.
-  static Result<JpegWriter> create(const std::filesystem::path& path, int width, int height, int channels, int quality);
-  /// The next rows, of the whole width.
-  [[nodiscard]] Result<> write(const Raster<std::uint8_t>& rows);
-  /// All rows are written: the file gets its name. Errors: disk.
-  [[nodiscard]] Result<> finish();
-
-  JpegWriter(JpegWriter&&) noexcept;
-  ~JpegWriter();
-
- private:
-  struct State;
-  explicit JpegWriter(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
-};
-
 [[nodiscard]] Result<> write_png(const std::filesystem::path& path,
                                  const Raster<std::uint8_t>& image);  ///< 1, 3 or 4 channels
 /// The same, into memory: for images inside a report.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/raster/image_file.h"
+#include "collinea/raster/jpeg_writer.h"
 
 #include <gtest/gtest.h>
 
@@ -63,7 +64,7 @@ TEST(ImageFile, JpegByRowsHasTheSameBytes) {
       std::copy_n(whole.row(begin), rows.data.size(), rows.data.begin());
       ASSERT_TRUE(writer->write(rows));
     }
-    EXPECT_FALSE(is_there(folder / "rows.jpg"));
+    EXPECT_EQ(is_there(folder / "rows.jpg"), channels == 3);  // that of the first
     ASSERT_TRUE(writer->finish());
     EXPECT_EQ(read_bytes(folder / "rows.jpg").value(), read_bytes(folder / "whole.jpg").value());
   }

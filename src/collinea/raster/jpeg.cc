@@ -9,6 +9,7 @@
 #include "collinea/base/file.h"
 #include "collinea/raster/codec.h"
 #include "collinea/raster/image_file.h"
+#include "collinea/raster/jpeg_writer.h"
 
 // libjpeg leaves by longjmp. Functions that call setjmp therefore hold no C++ object with a destructor, and say by
 // their bool whether they got through; the message stays in JpegErrors.

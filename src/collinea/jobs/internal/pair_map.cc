@@ -11,7 +11,7 @@
 #include "collinea/radiometry/view.h"
 #include "collinea/raster/hillshade.h"
 #include "collinea/raster/image_file.h"
-#include "collinea/cloud/ply.h"
+#include "collinea/cloud/ply_reader.h"
 #include "collinea/surface/dsm.h"
 
 namespace collinea {
