@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/base/memory.h"
 
+#include <unistd.h>
+
 #include <cstdlib>
 
 #ifdef __GLIBC__
@@ -8,6 +10,11 @@
 #endif
 
 namespace collinea {
+
+std::uint64_t physical_memory() {
+  const long pages = sysconf(_SC_PHYS_PAGES), page_bytes = sysconf(_SC_PAGESIZE);
+  return pages > 0 && page_bytes > 0 ? std::uint64_t(pages) * std::uint64_t(page_bytes) : 0;
+}
 
 void give_large_memory_back() {
 #ifdef __GLIBC__

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+
 namespace collinea {
+
+/// Of the machine [bytes]; 0 where that cannot be known.
+[[nodiscard]] std::uint64_t physical_memory();
 
 /// To be called before anything else: rasters and images, which come and go by hundreds of kilobytes, go back to the
 /// system as soon as they are freed. By default the C library learns from the first that goes to keep the like of it in

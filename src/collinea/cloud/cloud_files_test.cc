@@ -7,6 +7,7 @@
 #include "collinea/base/packed.h"
 #include "collinea/cloud/las.h"
 #include "collinea/cloud/ply.h"
+#include "collinea/cloud/ply_reader.h"
 #include "collinea/math/random.h"
 
 namespace collinea {
@@ -275,6 +276,41 @@ TEST_F(CloudFiles, PlyComesBackExactly) {
     ASSERT_EQ((*read)[i].images, points[i].images);
     ASSERT_EQ((*read)[i].classification, points[i].classification);
   }
+}
+
+TEST_F(CloudFiles, PlyComesInPiecesToo) {
+  const auto points = cloud(5'000);
+  auto writer = PlyWriter::create(folder_ / "a.ply", "frame");
+  ASSERT_TRUE(writer);
+  writer->write(points);
+  ASSERT_TRUE(writer->finish());
+  auto reader = PlyReader::open(folder_ / "a.ply");
+  ASSERT_TRUE(reader) << reader.error().message;
+  std::vector<CloudPoint> read;
+  for (;;) {
+    const auto piece = reader->read(1'700);
+    ASSERT_TRUE(piece);
+    if (piece->empty()) break;
+    EXPECT_LE(piece->size(), 1'700u);
+    read.insert(read.end(), piece->begin(), piece->end());
+  }
+  ASSERT_EQ(read.size(), points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    ASSERT_EQ(read[i].position, points[i].position);
+    ASSERT_EQ(read[i].normal, points[i].normal);
+    ASSERT_EQ(read[i].colour, points[i].colour);
+    ASSERT_EQ(read[i].sigma_m, points[i].sigma_m);
+    ASSERT_EQ(read[i].images, points[i].images);
+    ASSERT_EQ(read[i].classification, points[i].classification);
+  }
+  EXPECT_FALSE(PlyReader::open(folder_ / "none.ply"));
+  std::string bytes = bytes_of("a.ply");
+  put("cut.ply", bytes.substr(0, bytes.size() - 20));
+  auto cut = PlyReader::open(folder_ / "cut.ply");
+  ASSERT_TRUE(cut);
+  EXPECT_FALSE(cut->read(5'000));
+  put("other.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n");
+  EXPECT_FALSE(PlyReader::open(folder_ / "other.ply"));
 }
 
 TEST(Ply, TextAndBigEndianAreRead) {

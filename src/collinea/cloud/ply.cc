@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/cloud/ply.h"
+#include "collinea/cloud/ply_reader.h"
 
 #include <algorithm>
 #include <array>
@@ -211,6 +212,40 @@ void PlyWriter::write(std::span<const CloudPoint> points) {
 Result<> PlyWriter::finish() {
   file_.write_at(0, header());
   return file_.finish();
+}
+
+Result<PlyReader> PlyReader::open(const std::filesystem::path& path) {
+  constexpr std::size_t kLongestHeader = 4096;
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return fail(Errc::kNotFound, "cannot read " + path.string());
+  std::string start(kLongestHeader, '\0');
+  file.read(start.data(), std::streamsize(start.size()));
+  start.resize(std::size_t(file.gcount()));
+  const auto end = start.find(kHeaderEnd);
+  if (!start.starts_with(std::string_view(kHeaderStart)) || end == std::string::npos)
+    return fail(Errc::kUnsupported, path.string() + ": not a point cloud as it is written here");
+  COLLINEA_TRY(const Header header, parse_header(start));
+  file.clear();
+  file.seekg(std::streamoff(header.bytes));
+  return PlyReader(std::move(file), path.string(), *header.vertices);
+}
+
+Result<std::vector<CloudPoint>> PlyReader::read(std::size_t most) {
+  std::vector<CloudPoint> points(std::size_t(std::min<std::uint64_t>(most, left_)));
+  std::string bytes(points.size() * kPointBytes, '\0');
+  file_.read(bytes.data(), std::streamsize(bytes.size()));
+  if (std::size_t(file_.gcount()) != bytes.size()) return fail(Errc::kBadFormat, name_ + ": truncated PLY file");
+  left_ -= points.size();
+  Unpacker unpacker(bytes);
+  for (CloudPoint& point : points) {
+    for (int i = 0; i < 3; ++i) point.position[i] = unpacker.get<double>();
+    for (int i = 0; i < 3; ++i) point.normal[i] = unpacker.get<float>();
+    for (std::uint8_t& channel : point.colour) channel = unpacker.get<std::uint8_t>();
+    point.sigma_m = unpacker.get<float>();
+    point.images = unpacker.get<std::uint8_t>();
+    point.classification = unpacker.get<std::uint8_t>();
+  }
+  return points;
 }
 
 Result<std::vector<CloudPoint>> parse_ply(std::string_view bytes) {

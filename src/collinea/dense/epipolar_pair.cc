@@ -15,7 +15,6 @@ namespace collinea {
 namespace {
 
 constexpr double kSteepest = 0.26;  // sine of the least angle between a ray and the base: 15 degrees
-constexpr int kGrid = 8;            // pixels between exact projections; between them error < 0.003 px
 constexpr std::size_t kFewestPoints = 8;
 constexpr double kGrossest = 0.005, kMargin = 0.3, kLeastFarther = 0.1, kLeastNearer = 0.8;
 constexpr double kLargestGrowth = 4;  // of the number of pixels
@@ -90,6 +89,16 @@ class Normals {
   const FloatImage& disparity_;
 };
 
+template <int kChannels, auto kValue>
+void resample_row(const Raster<std::uint8_t>& image, const ResamplingLattice& lattice, int row,
+                  Raster<std::uint8_t>& result) {
+  std::uint8_t* out = result.row(row);
+  for (int x = 0; x < result.width; ++x) {
+    const Eigen::Vector2f at = lattice.sample_of(x, row);
+    for (int c = 0; c < kChannels; ++c) *out++ = kValue(image, at.x(), at.y(), c);
+  }
+}
+
 }  // namespace
 
 double EpipolarPair::disparity_at(double depth_m) const {
@@ -143,35 +152,37 @@ EpipolarPair epipolar_pair(double focal_px, double base_m, int left_width_px, in
   return pair;
 }
 
-Raster<std::uint8_t> resampled(const Raster<std::uint8_t>& image, const Camera& camera_of_image,
-                               const Eigen::Quaterniond& camera_from_image, const Camera& camera, const Run& run,
-                               const RayBend& bend) {
-  const int columns = (camera.width_px - 1) / kGrid + 2, rows = (camera.height_px - 1) / kGrid + 2;
+ResamplingLattice::ResamplingLattice(const Camera& camera_of_image, const Eigen::Quaterniond& camera_from_image,
+                                     const Camera& camera, const Run& run, const RayBend& bend)
+    : columns_(std::size_t((camera.width_px - 1) / kStep_px + 2)) {
+  const std::size_t rows = std::size_t((camera.height_px - 1) / kStep_px + 2);
   const Eigen::Quaterniond image_from_camera = camera_from_image.conjugate();
   const dense::Pinhole pinhole(camera);
-  std::vector<Eigen::Vector2f> grid(std::size_t(columns) * std::size_t(rows));
-  parallel_for(run, std::size_t(rows), [&](std::size_t j) {
-    for (int i = 0; i < columns; ++i) {
-      const Eigen::Vector3d ray = image_from_camera * pinhole.ray(i * kGrid + 0.5, double(j) * kGrid + 0.5);
+  nodes_.resize(columns_ * rows);
+  parallel_for(run, rows, [&](std::size_t j) {
+    for (std::size_t i = 0; i < columns_; ++i) {
+      const Eigen::Vector3d ray =
+          image_from_camera * pinhole.ray(double(i) * kStep_px + 0.5, double(j) * kStep_px + 0.5);
       const auto pixel = project(camera_of_image, bend.bent(ray));
-      grid[j * std::size_t(columns) + std::size_t(i)] =
+      nodes_[j * columns_ + i] =
           pixel ? Eigen::Vector2f((*pixel - Eigen::Vector2d(0.5, 0.5)).cast<float>()) : Eigen::Vector2f(NAN, NAN);
     }
   });
+}
+
+Raster<std::uint8_t> resampled(const Raster<std::uint8_t>& image, const Camera& camera_of_image,
+                               const Eigen::Quaterniond& camera_from_image, const Camera& camera, const Run& run,
+                               const RayBend& bend, Interpolation interpolation) {
+  const ResamplingLattice lattice(camera_of_image, camera_from_image, camera, run, bend);
+  const bool is_cubic = interpolation == Interpolation::kBicubic;
   Raster<std::uint8_t> result(camera.width_px, camera.height_px, image.channels);
   parallel_for(run, std::size_t(result.height), [&](std::size_t row) {
-    const int y = int(row);
-    const Eigen::Vector2f* upper = grid.data() + std::size_t(y / kGrid) * std::size_t(columns);
-    const float v = float(y % kGrid) / kGrid;
-    for (int x = 0; x < result.width; ++x) {
-      const int i = x / kGrid;
-      const float u = float(x % kGrid) / kGrid;
-      const Eigen::Vector2f above = upper[i] + u * (upper[i + 1] - upper[i]);
-      const Eigen::Vector2f below = upper[columns + i] + u * (upper[columns + i + 1] - upper[columns + i]);
-      const Eigen::Vector2f at = above + v * (below - above);
-      for (int c = 0; c < image.channels; ++c)
-        result.at(x, y, c) = image.channels == 1 ? cubic<1>(image, at.x(), at.y()) : cubic<3>(image, at.x(), at.y(), c);
-    }
+    if (image.channels == 1)
+      is_cubic ? resample_row<1, cubic<1>>(image, lattice, int(row), result)
+               : resample_row<1, linear<1>>(image, lattice, int(row), result);
+    else
+      is_cubic ? resample_row<3, cubic<3>>(image, lattice, int(row), result)
+               : resample_row<3, linear<3>>(image, lattice, int(row), result);
   });
   return result;
 }

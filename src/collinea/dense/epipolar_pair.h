@@ -10,6 +10,7 @@
 #include "collinea/block/block.h"
 #include "collinea/dense/internal/disparity_map.h"
 #include "collinea/dense/internal/fused_point.h"
+#include "collinea/raster/interpolation.h"
 
 namespace collinea {
 
@@ -38,11 +39,34 @@ struct EpipolarPair {
 [[nodiscard]] EpipolarPair epipolar_pair(double focal_px, double base_m, int left_width_px, int right_width_px,
                                          int height_px);
 
-/// An image (1 or 3 channels) as `camera` sees it, which is turned by camera_from_image, without the bend of its rays;
-/// bicubic. 0 where the image has nothing, else 1 to 255.
+/// Where the pixels of `camera`, which is turned by camera_from_image, lie in an image: exact on a lattice of 8 pixels
+/// and linear between, error < 0.003 px. The cameras must outlive its making only.
+class ResamplingLattice {
+ public:
+  ResamplingLattice(const Camera& camera_of_image, const Eigen::Quaterniond& camera_from_image, const Camera& camera,
+                    const Run& run, const RayBend& bend = {});
+  /// In samples of the image (the middle of the first pixel is 0); NaN where it has nothing.
+  [[nodiscard]] Eigen::Vector2f sample_of(int column, int row) const {
+    const std::size_t i = std::size_t(row / kStep_px) * columns_ + std::size_t(column / kStep_px);
+    const float u = float(column % kStep_px) / kStep_px, v = float(row % kStep_px) / kStep_px;
+    const Eigen::Vector2f above = nodes_[i] + u * (nodes_[i + 1] - nodes_[i]);
+    const Eigen::Vector2f* const below_node = nodes_.data() + i + columns_;
+    const Eigen::Vector2f below = below_node[0] + u * (below_node[1] - below_node[0]);
+    return above + v * (below - above);
+  }
+
+ private:
+  static constexpr int kStep_px = 8;
+  std::size_t columns_;
+  std::vector<Eigen::Vector2f> nodes_;
+};
+
+/// An image (1 or 3 channels) as `camera` sees it, which is turned by camera_from_image, without the bend of its rays.
+/// 0 where the image has nothing, else 1 to 255.
 [[nodiscard]] Raster<std::uint8_t> resampled(const Raster<std::uint8_t>& image, const Camera& camera_of_image,
                                              const Eigen::Quaterniond& camera_from_image, const Camera& camera,
-                                             const Run& run, const RayBend& bend = {});
+                                             const Run& run, const RayBend& bend = {},
+                                             Interpolation interpolation = Interpolation::kBicubic);
 
 /// The disparities of points that both cameras see, but the grossest half per cent on either side, and more beyond: a
 /// tenth of what is farthest and eight tenths of what is nearest (trees and masts seldom have tie points), or three

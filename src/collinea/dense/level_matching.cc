@@ -21,7 +21,7 @@ constexpr double kRowSigmas = 3;         // of the epipolar line's row
 constexpr std::size_t kNeighbours = 16;  // that a spike is judged by
 constexpr double kSpike = 3;             // robust standard deviations
 constexpr double kLeastScatter_px = 0.5;
-constexpr int kMostPoints = 2'000'000;
+constexpr std::size_t kMostPoints = 2'000'000;
 constexpr int kEntropySide_px = 9;
 constexpr std::size_t kBlock = 64;  // points of a piece of work
 
@@ -80,28 +80,44 @@ Result<std::vector<LevelPoint>> LevelMatcher::match(const std::vector<Eigen::Vec
   return points;
 }
 
-std::vector<Eigen::Vector2i> interest_pixels(const GreyImage& image, const FloatImage& map, double threshold) {
+// Corners that any level may match, strongest first.
+std::vector<MapPixel> corners_of(const GreyImage& image, double least_threshold, const Run& run) {
   InterestOptions options;
   options.method = InterestOperator::kKovesi;
-  options.threshold = threshold;
+  options.threshold = least_threshold;
   options.radius_px = 2;
-  options.sub_pixel = SubPixel::kNone;
-  options.max_points = kMostPoints;
-  options.evenness = 0;
+  std::vector<MapPixel> corners = interest_pixels(image, options, run);
+  if (corners.size() > kMostPoints) {
+    corners.resize(kMostPoints);
+    corners.shrink_to_fit();
+  }
+  return corners;
+}
+
+// Those above a threshold, row by row.
+std::vector<Eigen::Vector2i> above(const std::vector<MapPixel>& corners, double threshold) {
   std::vector<Eigen::Vector2i> pixels;
-  for (const InterestPoint& point : find_interest_points(image, map, options).points)
-    pixels.emplace_back(int(point.position_px.x()), int(point.position_px.y()));
+  for (const MapPixel& corner : corners) {
+    if (!(corner.value > float(threshold))) break;
+    pixels.emplace_back(corner.column, corner.row);
+  }
   std::sort(pixels.begin(), pixels.end(),
             [](const auto& a, const auto& b) { return std::pair(a.y(), a.x()) < std::pair(b.y(), b.x()); });
   return pixels;
 }
 
-std::vector<Eigen::Vector2i> grid_pixels(const GreyImage& image, int step, double min_entropy) {
-  const FloatImage entropy = entropy_of(image, kEntropySide_px);
-  std::vector<Eigen::Vector2i> pixels;
-  for (int row = step / 2; row < image.height; row += step)
+std::vector<Eigen::Vector2i> grid_pixels(const GreyImage& image, int step, double min_entropy, const Run& run) {
+  std::vector<std::vector<Eigen::Vector2i>> found(std::size_t(image.height / step + 1));
+  parallel_for(run, found.size(), [&](std::size_t i) {
+    const int row = step / 2 + int(i) * step;
+    if (row >= image.height) return;
+    const std::vector<float> entropy = entropy_of_row(image, kEntropySide_px, row);
     for (int column = step / 2; column < image.width; column += step)
-      if (image.at(column, row) != 0 && double(entropy.at(column, row)) > min_entropy) pixels.emplace_back(column, row);
+      if (image.at(column, row) != 0 && double(entropy[std::size_t(column)]) > min_entropy)
+        found[i].emplace_back(column, row);
+  });
+  std::vector<Eigen::Vector2i> pixels;
+  for (const auto& row : found) pixels.insert(pixels.end(), row.begin(), row.end());
   return pixels;
 }
 
@@ -130,27 +146,32 @@ bool is_spike(const std::vector<LevelPoint>& points, std::size_t point, const Pl
 
 }  // namespace
 
-std::vector<LevelPoint> without_spikes(std::vector<LevelPoint> points) {
+std::vector<LevelPoint> without_spikes(std::vector<LevelPoint> points, const Run& run) {
   // How far the nearest points of each reach; a point that had no spike among them stays as it was judged.
   std::vector<double> reaches(points.size(), std::numeric_limits<double>::infinity());
   std::vector<LevelPoint> spikes = points;
   while (points.size() > kNeighbours && !spikes.empty()) {
     const PlaneSquares squares(left_positions(points)), rejected(left_positions(spikes));
-    std::vector<LevelPoint> kept;
-    std::vector<double> kept_reaches;
+    std::vector<char> rejects(points.size(), 0);
+    parallel_for(run, (points.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+      for (std::size_t i = block * kBlock; i < std::min((block + 1) * kBlock, points.size()); ++i) {
+        bool is_new = !std::isfinite(reaches[i]);
+        if (!is_new) rejected.in_square(points[i].left_px, reaches[i], [&](std::size_t) { is_new = true; });
+        rejects[i] = is_new && is_spike(points, i, squares, reaches[i]);
+      }
+    });
     spikes.clear();
+    std::size_t kept = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      bool is_new = !std::isfinite(reaches[i]);
-      if (!is_new) rejected.in_square(points[i].left_px, reaches[i], [&](std::size_t) { is_new = true; });
-      if (is_new && is_spike(points, i, squares, reaches[i])) {
+      if (rejects[i]) {
         spikes.push_back(points[i]);
         continue;
       }
-      kept.push_back(points[i]);
-      kept_reaches.push_back(reaches[i]);
+      points[kept] = points[i];
+      reaches[kept++] = reaches[i];
     }
-    points = std::move(kept);
-    reaches = std::move(kept_reaches);
+    points.resize(kept);
+    reaches.resize(kept);
   }
   return points;
 }
@@ -165,30 +186,29 @@ Result<LevelSurface> match_by_levels(const GreyImage& left, const GreyImage& rig
                 {"first_threshold"_option, "last_threshold"_option});
   LevelSurface surface{{guide.begin(), guide.end()}, {}};
   const LevelMatcher matcher(left, right, row_sigma_px, options);
-  InterestOptions corners;
-  corners.method = InterestOperator::kKovesi;
-  const FloatImage map = interest_map(left, corners);
+  const std::vector<MapPixel> corners = corners_of(left, options.last_threshold, run);
   const auto level = [&](const std::vector<Eigen::Vector2i>& pixels, double threshold, int template_px) -> Result<> {
     COLLINEA_TRY(const DisparityModel model, DisparityModel::of(surface.points));
     LevelCount count{.threshold = threshold, .interest = pixels.size()};
     std::vector<double> intervals;
     COLLINEA_TRY(std::vector<LevelPoint> points, matcher.match(pixels, model, template_px / 2, intervals, run));
     count.matched = points.size();
-    points = without_spikes(std::move(points));
+    points = without_spikes(std::move(points), run);
+    if (run.stopped()) return fail(Errc::kCancelled, "stopped");
     count.spikes = count.matched - points.size();
     if (!intervals.empty()) count.median_interval_px = median(intervals);
+    count.is_dropped = points.size() < guide.size() / 2;
     surface.levels.push_back(count);
-    // Too few to take the place of the model they were found with.
-    if (points.size() >= guide.size() / 2) surface.points = std::move(points);
+    if (!count.is_dropped) surface.points = std::move(points);
     return {};
   };
   const std::vector<double> thresholds = thresholds_of(options);
   for (std::size_t i = 0; i < thresholds.size(); ++i) {
-    COLLINEA_TRY(level(interest_pixels(left, map, thresholds[i]), thresholds[i], options.template_px));
+    COLLINEA_TRY(level(above(corners, thresholds[i]), thresholds[i], options.template_px));
     run.report("levels", double(i + 1) / double(thresholds.size() + (options.grid_px > 0)));
   }
   if (options.grid_px > 0) {
-    COLLINEA_TRY(level(grid_pixels(left, options.grid_px, options.min_entropy), 0, options.grid_template_px));
+    COLLINEA_TRY(level(grid_pixels(left, options.grid_px, options.min_entropy, run), 0, options.grid_template_px));
   }
   return surface;
 }

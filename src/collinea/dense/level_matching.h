@@ -54,6 +54,7 @@ struct LevelCount {
   double threshold = 0;  ///< 0: the grid
   std::size_t interest = 0, matched = 0, spikes = 0;
   double median_interval_px = 0;  ///< searched along the row
+  bool is_dropped = false;        ///< too few points to take the place of the model they were found with
 };
 
 struct LevelSurface {
@@ -73,7 +74,8 @@ struct LevelSurface {
 ///   - spikes go: disparities farther than three robust standard deviations from the median of the 16 nearest points
 ///     (at least half a pixel), until none goes. (Karfis' filter takes mean and standard deviation in a circle, which
 ///     never rejects anything among fewer than eleven points, nor a third of wrong ones.)
-/// Same bits for any number of threads. Errors: images of different heights, fewer than three points of the guide that
+/// Of more than two million points those of the largest corner measure are taken. Memory: the images and some 300 bytes
+/// a point. Same bits for any number of threads. Errors: images of different heights, fewer than three points of the guide that
 /// do not lie on a line, options, stopped.
 [[nodiscard]] Result<LevelSurface> match_by_levels(
     const GreyImage& left, const GreyImage& right, std::span<const LevelPoint> guide,
@@ -81,6 +83,6 @@ struct LevelSurface {
     const Run& run);
 
 /// Those that are no spikes: see match_by_levels().
-[[nodiscard]] std::vector<LevelPoint> without_spikes(std::vector<LevelPoint> points);
+[[nodiscard]] std::vector<LevelPoint> without_spikes(std::vector<LevelPoint> points, const Run& run = {});
 
 }  // namespace collinea

@@ -91,6 +91,22 @@ TEST(LevelMatching, SameBitsForAnyNumberOfThreads) {
     EXPECT_EQ(one->points[i].disparity_px, both->points[i].disparity_px);
 }
 
+// A level without points does not take the place of its guide, and says so.
+TEST(LevelMatching, ALevelOfTooFewPointsIsDropped) {
+  const Pair pair(2);
+  LevelOptions options;
+  options.first_threshold = 1e6;
+  options.last_threshold = 500;
+  options.levels = 2;
+  const auto surface = match_by_levels(pair.left, pair.right, pair.guide, kExact, options, {});
+  ASSERT_TRUE(surface);
+  ASSERT_EQ(surface->levels.size(), 2u);
+  EXPECT_EQ(surface->levels[0].interest, 0u);
+  EXPECT_TRUE(surface->levels[0].is_dropped);
+  EXPECT_FALSE(surface->levels[1].is_dropped);
+  EXPECT_GT(surface->points.size(), pair.guide.size());
+}
+
 TEST(LevelMatching, SpikesGoAndSlopesStay) {
   std::vector<LevelPoint> points;
   for (int y = 0; y < 30; ++y)

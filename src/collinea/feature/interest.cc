@@ -8,11 +8,14 @@
 #include <functional>
 #include <map>
 #include <numeric>
+#include <tuple>
 
+#include "collinea/base/parallel.h"
 #include "collinea/feature/foerstner.h"
 #include "collinea/feature/internal/interest_kernels.h"
 #include "collinea/feature/internal/separable_rows.h"
 #include "collinea/feature/internal/spread.h"
+#include "collinea/feature/internal/tensor_patch.h"
 #include "collinea/feature/local_maxima.h"
 #include "collinea/feature/sift.h"
 
@@ -29,6 +32,7 @@ constexpr double kLargestElongation = 10;  // of a blob (Lowe 2004)
 constexpr double kSamePoint_px = 0.5;
 constexpr double kLeastOfRegion = 0.02;  // of the contrast that the image asks for
 constexpr double kCircleMisfit = 0.1;    // of a circle beside that of a corner: where both fit, it is a corner
+constexpr int kStripRows = 256, kPlateauRows = 24;
 constexpr float kRounding_grey = 1e-3f;  // of sums of floats: responses of blobs below it are none
 
 bool is_blob(InterestOperator method) {
@@ -79,9 +83,17 @@ struct Strip {
   int begin, width;
 };
 
+float parameter_of(const InterestOptions& o) {
+  return static_cast<float>(o.method == InterestOperator::kFoerstner ? o.least_roundness : o.harris_k);
+}
+
+TensorPatch patch_of(const InterestOptions& o) {
+  return {gaussian_window(o.sigma_px, window_radius(o)), mask_of(o.method), measure_of(o.method), parameter_of(o)};
+}
+
 void tensor_responses(const Strip& strip, const InterestOptions& o, const ResponseSink& sink) {
   const std::vector<float> window = gaussian_window(o.sigma_px, window_radius(o));
-  const auto parameter = static_cast<float>(o.method == InterestOperator::kFoerstner ? o.least_roundness : o.harris_k);
+  const float parameter = parameter_of(o);
   FloatRows grey(strip.image, strip.begin, strip.width);
   SeparableRows(strip.width, strip.image.height, std::vector(3, SeparableFilter{window, window}))
       .run(
@@ -266,6 +278,44 @@ InterestPoints sift_points(const GreyImage& image, const InterestOptions& o) {
   return out;
 }
 
+// Of the 3 x 3 pixels round a pixel, the one that differs most from the median of its neighbours.
+struct Outlier {
+  int column, row;
+  std::uint8_t expected = 0;
+};
+
+Outlier outlier_at(const GreyImage& image, int column, int row) {
+  Outlier outlier{column, row};
+  int worst = -1;
+  for (int y = std::max(1, row - 1); y <= std::min(image.height - 2, row + 1); ++y)
+    for (int x = std::max(1, column - 1); x <= std::min(image.width - 2, column + 1); ++x) {
+      std::array<std::uint8_t, 8> around{};
+      std::size_t n = 0;
+      for (int j = -1; j <= 1; ++j)
+        for (int i = -1; i <= 1; ++i)
+          if (i != 0 || j != 0) around[n++] = image.at(x + i, y + j);
+      std::ranges::sort(around);
+      const int median = (around[3] + around[4] + 1) / 2, difference = std::abs(image.at(x, y) - median);
+      if (difference <= worst) continue;
+      worst = difference;
+      outlier = {x, y, static_cast<std::uint8_t>(median)};
+    }
+  return outlier;
+}
+
+bool is_within(const GreyImage& image, int column, int row, int reach) {
+  return column >= reach && row >= reach && column + reach < image.width && row + reach < image.height;
+}
+
+// As is_isolated(), of the operators on the structure tensor.
+bool is_isolated(const GreyImage& image, int column, int row, TensorPatch& patch) {
+  patch.take(image, column, row);
+  const float before = patch.strongest();
+  const Outlier outlier = outlier_at(image, column, row);
+  patch.replace(outlier.column - column, outlier.row - row, outlier.expected);
+  return patch.strongest() < static_cast<float>(kIsolatedShare) * before;
+}
+
 }  // namespace
 
 FloatImage interest_map(const GreyImage& image, const InterestOptions& o) {
@@ -286,24 +336,11 @@ FloatImage interest_map(const GreyImage& image, const InterestOptions& o) {
 }
 
 bool is_isolated(const GreyImage& image, int column, int row, const InterestOptions& o) {
-  // Of the 3 x 3 pixels, the one that differs most from the median of its neighbours.
-  int worst = -1, at_x = column, at_y = row;
-  std::uint8_t replaced = 0;
-  for (int y = std::max(1, row - 1); y <= std::min(image.height - 2, row + 1); ++y)
-    for (int x = std::max(1, column - 1); x <= std::min(image.width - 2, column + 1); ++x) {
-      std::array<std::uint8_t, 8> around{};
-      std::size_t n = 0;
-      for (int j = -1; j <= 1; ++j)
-        for (int i = -1; i <= 1; ++i)
-          if (i != 0 || j != 0) around[n++] = image.at(x + i, y + j);
-      std::ranges::sort(around);
-      const int median = (around[3] + around[4] + 1) / 2, difference = std::abs(image.at(x, y) - median);
-      if (difference <= worst) continue;
-      worst = difference;
-      at_x = x;
-      at_y = y;
-      replaced = static_cast<std::uint8_t>(median);
-    }
+  if (!is_blob(o.method) && o.method != InterestOperator::kMoravec) {
+    TensorPatch patch = patch_of(o);
+    if (is_within(image, column, row, patch.reach())) return is_isolated(image, column, row, patch);
+  }
+  const Outlier outlier = outlier_at(image, column, row);
   const int half = margin(o) + 1;
   const int left = std::max(0, column - half), right = std::min(image.width, column + half + 1);
   const int top = std::max(0, row - half), bottom = std::min(image.height, row + half + 1);
@@ -318,8 +355,36 @@ bool is_isolated(const GreyImage& image, int column, int row, const InterestOpti
     return most;
   };
   const float before = strongest();
-  part.at(at_x - left, at_y - top) = replaced;
+  part.at(outlier.column - left, outlier.row - top) = outlier.expected;
   return strongest() < static_cast<float>(kIsolatedShare) * before;
+}
+
+std::vector<MapPixel> interest_pixels(const GreyImage& image, const InterestOptions& o, const Run& run) {
+  COLLINEA_CHECK(o.threshold && o.method != InterestOperator::kSift);
+  // Rows around a strip on which its responses, and whether they are maxima, depend.
+  const int around = 2 * margin(o) + 2 * o.radius_px + kPlateauRows;
+  std::vector<std::vector<MapPixel>> found(std::size_t((image.height + kStripRows - 1) / kStripRows));
+  parallel_for(run, found.size(), [&](std::size_t i) {
+    const int begin = int(i) * kStripRows, end = std::min(begin + kStripRows, image.height);
+    const int top = std::max(begin - around, 0), bottom = std::min(end + around, image.height);
+    GreyImage strip(image.width, bottom - top);
+    std::copy(image.row(top), image.row(top) + strip.data.size(), strip.data.begin());
+    std::optional<TensorPatch> patch;
+    if (!is_blob(o.method) && o.method != InterestOperator::kMoravec) patch = patch_of(o);
+    const auto isolated = [&](const MapPixel& m) {
+      return patch && is_within(image, m.column, m.row, patch->reach()) ? is_isolated(image, m.column, m.row, *patch)
+                                                                        : is_isolated(image, m.column, m.row, o);
+    };
+    for (MapPixel m : local_maxima(interest_map(strip, o), o.radius_px, static_cast<float>(*o.threshold))) {
+      m.row += top;
+      if (m.row < begin || m.row >= end || is_at_the_rim(m, image, o)) continue;
+      if (o.keep_isolated || !isolated(m)) found[i].push_back(m);
+    }
+  });
+  std::vector<MapPixel> all;
+  for (const std::vector<MapPixel>& part : found) all.insert(all.end(), part.begin(), part.end());
+  std::ranges::sort(all, {}, [](const MapPixel& m) { return std::tuple(-m.value, m.row, m.column); });
+  return all;
 }
 
 double contrast_power(InterestOperator method) {

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "collinea/base/options.h"
+#include "collinea/base/run.h"
+#include "collinea/feature/local_maxima.h"
 #include "collinea/raster/raster.h"
 
 namespace collinea {
@@ -122,6 +124,13 @@ struct InterestPoints {
 /// The same on a map that interest_map() made of the image with these options.
 [[nodiscard]] InterestPoints find_interest_points(const GreyImage& image, const FloatImage& map,
                                                   const InterestOptions& options);
+
+/// The pixels that find_interest_points() takes its points from, with a threshold that is given: all local maxima that
+/// no single pixel makes, strongest first. The image is gone through in strips, side by side: memory for the strips
+/// alone, the same bits for any number of threads. (A plateau of one value that is higher than 24 rows may count more
+/// than once.) Not for kSift.
+[[nodiscard]] std::vector<MapPixel> interest_pixels(const GreyImage& image, const InterestOptions& options,
+                                                    const Run& run);
 
 /// The power of a response that grows as contrast does: responses of Harris grow with its fourth power, those of blobs
 /// with itself, the others with its square.

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "collinea/feature/internal/separable_rows.h"
+#include "collinea/feature/internal/tensor_patch.h"
 #include "collinea/feature/local_maxima.h"
 
 namespace collinea {
@@ -225,6 +226,47 @@ TEST(Interest, AnIsolatedPixelIsRejected) {
     EXPECT_GE(found.isolated, 2u);
     options.keep_isolated = true;
     EXPECT_GE(near(find_interest_points(image, options), 45.5, 35.5), 1);
+  }
+}
+
+// Strips end at rows 256 and 512: maxima beside them are those of the whole map.
+TEST(Interest, PixelsByStripsAreThoseOfTheWholeImage) {
+  GreyImage image = random_image(90, 600, 5);
+  image.at(40, 300) = 255;
+  InterestOptions options{.method = O::kKovesi, .threshold = 9000, .radius_px = 2, .sub_pixel = SubPixel::kNone,
+                          .max_points = 1'000'000, .evenness = 0};
+  const auto strips = interest_pixels(image, options, {});
+  std::vector<MapPixel> whole;
+  for (const InterestPoint& point : find_interest_points(image, options).points)
+    whole.push_back({int(point.position_px.x()), int(point.position_px.y()), float(point.strength)});
+  std::ranges::sort(whole, {}, [](const MapPixel& m) { return std::tuple(-m.value, m.row, m.column); });
+  EXPECT_GT(whole.size(), 500u);
+  int beside = 0;
+  for (const MapPixel& pixel : whole) beside += std::abs(pixel.row - 256) < 4 || std::abs(pixel.row - 512) < 4;
+  EXPECT_GT(beside, 10);
+  EXPECT_EQ(strips, whole);
+  EXPECT_EQ(interest_pixels(image, options, {.threads = 3}), strips);
+}
+
+TEST(Interest, APatchHasTheResponsesOfTheMap) {
+  const GreyImage image = random_image(60, 50, 8);
+  for (const O method : {O::kHarris, O::kNoble, O::kKovesi, O::kShiTomasi}) {
+    const InterestOptions options{.method = method, .sigma_px = 1.2};
+    const std::vector<float> taps = gaussian_window(1.2, 4);
+    const FloatImage map = interest_map(image, options);
+    TensorPatch patch(taps, method == O::kKovesi ? GradientMask::kPrewitt : GradientMask::kCentral,
+                      method == O::kHarris      ? CornerMeasure::kHarris
+                      : method == O::kShiTomasi ? CornerMeasure::kSmallerEigenvalue
+                                                : CornerMeasure::kNoble,
+                      float(options.harris_k));
+    for (int y = patch.reach(); y < image.height - patch.reach(); y += 3)
+      for (int x = patch.reach(); x < image.width - patch.reach(); x += 2) {
+        float most = 0;
+        for (int j = -1; j <= 1; ++j)
+          for (int i = -1; i <= 1; ++i) most = std::max(most, map.at(x + i, y + j));
+        patch.take(image, x, y);
+        ASSERT_EQ(patch.strongest(), most) << x << ' ' << y;
+      }
   }
 }
 

@@ -59,30 +59,38 @@ FloatImage pair_mean(const GreyImage& image, int side, double (*of)(double)) {
 }  // namespace
 
 FloatImage entropy_of(const GreyImage& image, int side) {
+  FloatImage out(image.width, image.height);
+  for (int y = 0; y < image.height; ++y) {
+    const std::vector<float> row = entropy_of_row(image, side, y);
+    std::copy(row.begin(), row.end(), out.row(y));
+  }
+  return out;
+}
+
+std::vector<float> entropy_of_row(const GreyImage& image, int side, int y) {
   COLLINEA_CHECK(side >= 3 && side % 2 == 1);
   const int w = image.width, h = image.height, half = side / 2;
   std::vector<double> n_log_n(std::size_t(side * side + 1), 0);
   for (std::size_t n = 2; n < n_log_n.size(); ++n) n_log_n[n] = double(n) * std::log2(double(n));
-  FloatImage out(w, h);
-  for (int y = 0; y < h; ++y) {
-    std::array<int, 256> count{};
-    double sum = 0;  // of n log2 n over the grey values
-    const int top = std::max(0, y - half), bottom = std::min(h - 1, y + half);
-    const auto add = [&](int x, int by) {
-      for (int row = top; row <= bottom; ++row) {
-        int& n = count[image.at(x, row)];
-        sum -= n_log_n[std::size_t(n)];
-        n += by;
-        sum += n_log_n[std::size_t(n)];
-      }
-    };
-    for (int x = 0; x < std::min(half, w); ++x) add(x, 1);
-    for (int x = 0; x < w; ++x) {
-      if (x + half < w) add(x + half, 1);
-      if (x - half - 1 >= 0) add(x - half - 1, -1);
-      const double pixels = (bottom - top + 1) * (std::min(w - 1, x + half) - std::max(0, x - half) + 1);
-      out.at(x, y) = float(std::max(0.0, std::log2(pixels) - sum / pixels));
+  std::vector<float> out;
+  out.reserve(std::size_t(w));
+  std::array<int, 256> count{};
+  double sum = 0;  // of n log2 n over the grey values
+  const int top = std::max(0, y - half), bottom = std::min(h - 1, y + half);
+  const auto add = [&](int x, int by) {
+    for (int row = top; row <= bottom; ++row) {
+      int& n = count[image.at(x, row)];
+      sum -= n_log_n[std::size_t(n)];
+      n += by;
+      sum += n_log_n[std::size_t(n)];
     }
+  };
+  for (int x = 0; x < std::min(half, w); ++x) add(x, 1);
+  for (int x = 0; x < w; ++x) {
+    if (x + half < w) add(x + half, 1);
+    if (x - half - 1 >= 0) add(x - half - 1, -1);
+    const double pixels = (bottom - top + 1) * (std::min(w - 1, x + half) - std::max(0, x - half) + 1);
+    out.push_back(float(std::max(0.0, std::log2(pixels) - sum / pixels)));
   }
   return out;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 #include "collinea/raster/raster.h"
 
 namespace collinea {
@@ -18,6 +20,9 @@ struct Texture {
 
 /// Entropy alone.
 [[nodiscard]] FloatImage entropy_of(const GreyImage& image, int side);
+
+/// The same of one row.
+[[nodiscard]] std::vector<float> entropy_of_row(const GreyImage& image, int side, int row);
 
 /// 255 where the entropy is above a threshold: windows with enough texture to be matched; else 0.
 [[nodiscard]] GreyImage entropy_mask(const FloatImage& entropy, double threshold);

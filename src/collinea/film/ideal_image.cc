@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "collinea/base/parallel.h"
+#include "collinea/base/parallel_in_order.h"
 #include "collinea/raster/cubic.h"
 #include "collinea/raster/image_file.h"
+#include "collinea/raster/jpeg_writer.h"
 
 namespace collinea {
 namespace {
@@ -15,6 +17,7 @@ using Eigen::Vector2d;
 
 constexpr int kLatticePx = 32;
 constexpr int kImageQuality = 98;  // of JPEG: steps of a grey value or two
+constexpr int kStripRows = 128;    // resampled at a time, while others are packed
 
 // Where the corners of the cells of a lattice over the ideal lie in the scan.
 class ScanLattice {
@@ -53,6 +56,15 @@ void resample_row(const Raster<std::uint8_t>& scan, const std::vector<Vector2d>&
       *out++ = cubic<kChannels>(scan, float(pixel.x() - 0.5), float(pixel.y() - 0.5), c);
 }
 
+// A row of a strip of the ideal image that begins at row `first`.
+void resample(const Raster<std::uint8_t>& scan, const ScanLattice& lattice, int first, int row,
+              Raster<std::uint8_t>& out) {
+  thread_local std::vector<Vector2d> at;
+  at.resize(std::size_t(out.width));
+  lattice.positions(first + row, at);
+  (scan.channels == 1 ? resample_row<1> : resample_row<3>)(scan, at, out.row(row));
+}
+
 }  // namespace
 
 Vector2d IdealImage::pixel_of(const Vector2d& film_mm) const {
@@ -82,12 +94,7 @@ Raster<std::uint8_t> resampled_scan(const Raster<std::uint8_t>& scan, const Film
                                     const IdealImage& ideal, const Run& run) {
   Raster<std::uint8_t> out(ideal.camera.width_px, ideal.camera.height_px, scan.channels);
   const ScanLattice lattice(scan_from_film, ideal, run);
-  parallel_for(run, std::size_t(out.height), [&](std::size_t row) {
-    thread_local std::vector<Vector2d> at;
-    at.resize(std::size_t(out.width));
-    lattice.positions(int(row), at);
-    (scan.channels == 1 ? resample_row<1> : resample_row<3>)(scan, at, out.row(int(row)));
-  });
+  parallel_for(run, std::size_t(out.height), [&](std::size_t row) { resample(scan, lattice, 0, int(row), out); });
   return out;
 }
 
@@ -95,7 +102,18 @@ Result<> write_ideal_image(const std::filesystem::path& scan, const FilmTransfor
                            const IdealImage& ideal, const std::filesystem::path& out, const Run& run) {
   COLLINEA_TRY(const int channels, channels_of(scan));
   COLLINEA_TRY(const Raster<std::uint8_t> pixels, channels == 1 ? read_grey(scan) : read_colour(scan));
-  return write_jpeg(out, resampled_scan(pixels, scan_from_film, ideal, run), kImageQuality);
+  const int width = ideal.camera.width_px, height = ideal.camera.height_px;
+  COLLINEA_TRY(JpegWriter writer, JpegWriter::create(out, width, height, channels, kImageQuality));
+  const ScanLattice lattice(scan_from_film, ideal, run);
+  const auto strip = [&](std::size_t i) -> Result<Raster<std::uint8_t>> {
+    const int first = int(i) * kStripRows;
+    Raster<std::uint8_t> rows(width, std::min(kStripRows, height - first), channels);
+    for (int row = 0; row < rows.height; ++row) resample(pixels, lattice, first, row, rows);
+    return rows;
+  };
+  COLLINEA_TRY(parallel_in_order(run, std::size_t((height + kStripRows - 1) / kStripRows), strip,
+                                 [&](std::size_t, const Raster<std::uint8_t>& rows) { return writer.write(rows); }));
+  return writer.finish();
 }
 
 std::string ideal_image_name(const std::string& scan) {

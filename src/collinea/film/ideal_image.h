@@ -33,7 +33,8 @@ struct IdealImage {
                                                   const FilmTransformation& scan_from_film, const IdealImage& ideal,
                                                   const Run& run);
 
-/// Reads the scan, in colour where it is, resamples it and writes it as JPEG of the finest quality. Errors: files.
+/// Reads the scan, in colour where it is, resamples it and writes it as JPEG of the finest quality. Memory: the scan.
+/// Errors: files; cancelled.
 [[nodiscard]] Result<> write_ideal_image(const std::filesystem::path& scan, const FilmTransformation& scan_from_film,
                                          const IdealImage& ideal, const std::filesystem::path& out, const Run& run);
 

@@ -188,4 +188,15 @@ Result<Block> read_colmap(const std::filesystem::path& folder) {
   return block_of(model).map_error([&](Error e) { return std::move(e).within(folder.string()); });
 }
 
+Result<std::vector<Camera>> read_colmap_cameras(const std::filesystem::path& file) {
+  COLLINEA_TRY(std::vector<CameraRow> rows, parsed_file(file, parse_cameras_text));
+  if (rows.empty()) return fail(Errc::kBadFormat, file.string() + ": no camera");
+  std::sort(rows.begin(), rows.end(), [](const CameraRow& a, const CameraRow& b) { return a.id < b.id; });
+  std::vector<Camera> cameras(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    COLLINEA_TRY(cameras[i], imported(rows[i]).map_error([&](Error e) { return std::move(e).within(file.string()); }));
+  }
+  return cameras;
+}
+
 }  // namespace collinea

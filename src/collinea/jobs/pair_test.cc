@@ -13,6 +13,7 @@
 #include "collinea/geometry/rotation.h"
 #include "collinea/jobs/evaluate.h"
 #include "collinea/jobs/grid_points.h"
+#include "collinea/jobs/internal/pair_orientation.h"
 #include "collinea/math/median.h"
 #include "collinea/math/random.h"
 #include "collinea/raster/geotiff.h"
@@ -32,7 +33,12 @@ struct VillagePair {
   std::optional<Scene> scene;
   std::filesystem::path left, right;
 
-  VillagePair() {
+  struct Lens {
+    double k1 = 0;
+  };
+
+  VillagePair() : VillagePair(Lens{}) {}
+  explicit VillagePair(const Lens& lens) {
     SurveyOptions options;
     options.strips = 1;
     options.images_per_strip = 2;
@@ -42,7 +48,8 @@ struct VillagePair {
     options.camera.width_px = 800;
     options.camera.height_px = 600;
     options.camera.focal_px = kFocal_px;
-    options.camera.k1 = options.camera.k2 = options.camera.k3 = options.camera.p1 = options.camera.p2 = 0;
+    options.camera.k1 = lens.k1;
+    options.camera.k2 = options.camera.k3 = options.camera.p1 = options.camera.p2 = 0;
     options.camera.principal_x_px = options.camera.principal_y_px = 0;
     const auto survey = make_survey(options);
     EXPECT_TRUE(survey);
@@ -125,6 +132,116 @@ TEST(Pair, TheDenseSurfaceHasMorePointsOnTheSameOrientation) {
   std::size_t near = 0;
   for (const CloudPoint& point : *cloud) near += point.position.z() > 40 && point.position.z() < 70;
   EXPECT_GT(double(near) / double(cloud->size()), 0.99);
+}
+
+// Points found on images of half the size and measured on the whole ones orient them as well as those do.
+TEST(Pair, OrientationOfLargeImagesBeginsOnSmallOnes) {
+  const VillagePair village;
+  PairChainOptions options;
+  options.principal_distance_px = kFocal_px;
+  const auto pair = open_pair(village.left, village.right, village.folder / "pair", options, {});
+  ASSERT_TRUE(pair) << pair.error().message;
+  PairReport report;
+  const auto oriented = orient_pair(*pair, {.search = 2, .surface = 1}, options, report, {.threads = 2});
+  ASSERT_TRUE(oriented) << oriented.error().message;
+  EXPECT_EQ(oriented->images.left.width, 800);
+  ASSERT_EQ(report.orientations.size(), 3u);
+  EXPECT_EQ(report.orientations[1].shrink, 2);
+  EXPECT_EQ(report.orientations[2].shrink, 1);
+  EXPECT_EQ(report.search.back().shrink, 2);
+  const RelativeOrientation& found = report.orientations.back().orientation;
+  const Rigid3 truth = village.right_from_left();
+  const Eigen::Vector3d base = base_in_first(found.second_from_first);
+  Vector5 change;
+  change << rotation_vector(truth.rotation * found.second_from_first.rotation.conjugate()),
+      tangents_of(base).transpose() * (base_in_first(truth) - base);
+  EXPECT_LT(change.dot(found.stated_covariance().ldlt().solve(change)), 20.5);  // one in a thousand of five degrees
+  // Pixels of the small images are twice as large: measured on them alone the sigma would be about twice this.
+  EXPECT_LT(report.orientations[2].sigma0_px, 0.1);
+  const auto model = model_of(*oriented, found, 1);
+  ASSERT_TRUE(model);
+  EXPECT_EQ(model->points.size(), oriented->points.size());
+}
+
+TEST(Pair, SameBitsForAnyNumberOfThreads) {
+  const VillagePair village;
+  PairChainOptions options;
+  options.principal_distance_px = kFocal_px;
+  options.levels.levels = 3;
+  options.base_m = 17;
+  for (const PairSurface surface : {PairSurface::kLevels, PairSurface::kDense}) {
+    options.surface = surface;
+    if (surface == PairSurface::kDense) options.levels = {};
+    const auto one = village.folder / "one", three = village.folder / "three";
+    ASSERT_TRUE(orient_and_match(village.left, village.right, one, options, {.threads = 1}));
+    ASSERT_TRUE(orient_and_match(village.left, village.right, three, options, {.threads = 3}));
+    for (const char* file : {"cloud.ply", "pair.txt", "points.txt", "epipolar_left.png", "dsm.tif", "ortho.tif"})
+      EXPECT_EQ(*read_file(one / file), *read_file(three / file)) << file;
+  }
+}
+
+// The lens of a camera file: without it, rays of the corners miss one another.
+TEST(Pair, ALensComesFromACameraFile) {
+  const VillagePair village({.k1 = -0.06});
+  PairChainOptions options;
+  options.camera = village.folder / "camera.txt";
+  options.levels.levels = 1;
+  ASSERT_TRUE(write_file(*options.camera, "# ID MODEL WIDTH HEIGHT PARAMS\n1 OPENCV 800 600 600 600 400 300 -0.06 0 0 0\n"));
+  const auto with = orient_and_match(village.left, village.right, village.folder / "pair", options, {.threads = 2});
+  ASSERT_TRUE(with) << with.error().message;
+  const Rigid3 truth = village.right_from_left();
+  const RelativeOrientation& found = with->orientations.back().orientation;
+  EXPECT_LT(angle_between(found.second_from_first.rotation, truth.rotation), 5e-4);
+  EXPECT_LT(with->orientations.back().sigma0_px, 0.1);
+  options.camera.reset();
+  options.principal_distance_px = kFocal_px;
+  const auto without = orient_and_match(village.left, village.right, village.folder / "pair", options, {.threads = 2});
+  ASSERT_TRUE(without) << without.error().message;
+  const auto angle = [&](const PairReport& report) {
+    return angle_between(report.orientations.back().orientation.second_from_first.rotation, truth.rotation);
+  };
+  EXPECT_GT(angle(*without), 4 * angle(*with));
+  options.camera = village.folder / "camera.txt";
+  const auto both = orient_and_match(village.left, village.right, village.folder / "pair", options, {});
+  ASSERT_FALSE(both);
+  EXPECT_EQ(both.error().options.front().name, "camera");
+}
+
+TEST(Pair, EpipolarImagesAreResampledAsAsked) {
+  const VillagePair village;
+  PairChainOptions options;
+  options.principal_distance_px = kFocal_px;
+  options.levels.levels = 1;
+  const auto cubic = village.folder / "cubic", linear = village.folder / "linear";
+  ASSERT_TRUE(orient_and_match(village.left, village.right, cubic, options, {.threads = 2}));
+  options.resampling = Interpolation::kBilinear;
+  ASSERT_TRUE(orient_and_match(village.left, village.right, linear, options, {.threads = 2}));
+  const auto a = read_grey(cubic / "epipolar_left.png"), b = read_grey(linear / "epipolar_left.png");
+  ASSERT_TRUE(a && b);
+  ASSERT_EQ(a->data.size(), b->data.size());
+  // The mean of four samples has less of the grey values' differences than cubic convolution.
+  const auto roughness = [](const GreyImage& image) {
+    double squares = 0;
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 1; x < image.width; ++x)
+        if (image.at(x, y) && image.at(x - 1, y)) squares += std::pow(image.at(x, y) - image.at(x - 1, y), 2);
+    return squares;
+  };
+  EXPECT_LT(roughness(*b), 0.9 * roughness(*a));
+  EXPECT_GT(roughness(*b), 0.3 * roughness(*a));
+}
+
+TEST(Pair, NothingIsLeftBehindAfterAnError) {
+  const VillagePair village;
+  PairChainOptions options;
+  options.principal_distance_px = kFocal_px;
+  options.levels.levels = 3;
+  options.base_m = 17;
+  const auto folder = village.folder / "pair";
+  std::filesystem::create_directories(folder / "ortho.tif/in_the_way");
+  EXPECT_FALSE(orient_and_match(village.left, village.right, folder, options, {.threads = 2}));
+  EXPECT_TRUE(is_there(folder / "dsm.tif"));
+  EXPECT_FALSE(is_there(folder / "scratch"));
 }
 
 // Heights of the map at its middle part beside those of the truth.

@@ -20,7 +20,8 @@
 namespace collinea {
 namespace {
 
-constexpr int kSmallest_px = 256;  // longer side of the images where everything is searched
+constexpr int kSmallest_px = 256;        // longer side of the images where everything is searched
+constexpr int kLargestOfSmall_px = 512;  // of those that it is searched on again, where the smallest ones do not agree
 constexpr int kSmallTemplate_px = 15;
 constexpr double kSmallMinNcc = 0.75;
 constexpr int kPointsOfStage = 300;  // of all but the last
@@ -232,6 +233,10 @@ Result<PairPoints> find_pair_points(const GreyImage& left, const GreyImage& righ
       break;
     }
     const auto agreement = agreement_of(found, run.seed);
+    // Houses in rows, waves, fields: what images so small show looks alike everywhere, but larger ones tell it apart.
+    if (!agreement && !known && shrink > 1 &&
+        std::max({from.width, from.height, to.width, to.height}) <= kLargestOfSmall_px / 2)
+      continue;
     if (!agreement)
       return fail(Errc::kIllPosed,
                   fmt::format("the two images do not show the same: of {} points on images of 1/{} of the size {} were "

@@ -15,6 +15,18 @@ namespace collinea {
 namespace {
 
 constexpr std::size_t kImageMemory = std::size_t{512} << 20;
+// Two images at least, between which a seam may run: else they would be decoded again for each tile of it.
+std::size_t image_memory(const OrthoScene& scene) {
+  std::size_t most = kImageMemory;
+  for (std::size_t v = 0; v < scene.views.size(); ++v) {
+    const Camera& camera = scene.views[v].camera;
+    const std::size_t shrink = std::size_t(scene.shrink[v]);
+    most = std::max(most, 2 * 3 * (std::size_t(camera.width_px) / shrink + 1) *
+                              (std::size_t(camera.height_px) / shrink + 1));
+  }
+  return most;
+}
+
 // Those that two tiles in work side by side take their cells from. Of 400 images of a megapixel, 64 in place of these
 // 24 spared one per cent of the time; of images so large that fewer fill the memory above, there is no use for more.
 std::size_t most_images(const Run& run) { return 8 + 8 * std::size_t(std::max(1, run.threads)); }
@@ -106,10 +118,11 @@ Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame
     return fail(Errc::kBadInput, "neither cell_m nor the ground size of a pixel is known");
   COLLINEA_TRY(scene.grid, grid_over(surface.grid, options.cell_m ? *options.cell_m : tidy_cell_m(gsd_m)));
   COLLINEA_TRY(const HeightOverview heights, overview(surface, run));
-  PixelCache images(pixels, kImageMemory, most_images(run));
-  scene.surface = &surface, scene.surface_overview = &heights, scene.frame = frame, scene.images = &images;
+  scene.surface = &surface, scene.surface_overview = &heights, scene.frame = frame;
   scene.terrain = guides.terrain, scene.scratch = sink.scratch;
   scene.shrink = shrinks(scene, scene.grid.cell_m);
+  PixelCache images(pixels, image_memory(scene), most_images(run));
+  scene.images = &images;
   scene.feather_cells = options.feather_cells;
   scene.balance.exposures.resize(scene.views.size());
   if (options.balance) {

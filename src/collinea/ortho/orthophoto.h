@@ -74,7 +74,8 @@ struct OrthoSink {
 /// sees it most from above and is not hidden by the surface; images are mixed in a narrow zone along the seams.
 /// Seams run as given, or are found (plan_seams). Cells that no image sees, and cells without height, stay
 /// transparent: nothing is copied from the wrong surface. `frame`: null when the surface model lies in the plane x, y
-/// of the world. `gsd_m`: ground size of a pixel of the images. Holds at most about 512 MB of decoded images.
+/// of the world. `gsd_m`: ground size of a pixel of the images. Holds at most about 512 MB of decoded images, or two of
+/// them where these are larger.
 /// Same bits with any number of threads. Errors: an image cannot be read, no oriented images, raster too large,
 /// cancelled.
 Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame, const HeightField& surface,

@@ -48,4 +48,17 @@ template <int kChannels>
   return std::uint8_t(std::clamp(int(sum + 0.5f), 1, 255));
 }
 
+/// The same, bilinear.
+template <int kChannels>
+[[nodiscard]] std::uint8_t linear(const Raster<std::uint8_t>& image, float x, float y, int channel = 0) {
+  if (!(x >= -0.5f && y >= -0.5f && x <= float(image.width) - 0.5f && y <= float(image.height) - 0.5f)) return 0;
+  const float u = std::clamp(x, 0.0f, float(image.width - 1)), v = std::clamp(y, 0.0f, float(image.height - 1));
+  const int x0 = int(u), y0 = int(v), x1 = std::min(x0 + 1, image.width - 1), y1 = std::min(y0 + 1, image.height - 1);
+  const float a = u - float(x0), b = v - float(y0);
+  const std::uint8_t *upper = image.row(y0) + channel, *lower = image.row(y1) + channel;
+  const float above = (1 - a) * float(upper[x0 * kChannels]) + a * float(upper[x1 * kChannels]);
+  const float below = (1 - a) * float(lower[x0 * kChannels]) + a * float(lower[x1 * kChannels]);
+  return std::uint8_t(std::clamp(int((1 - b) * above + b * below + 0.5f), 1, 255));
+}
+
 }  // namespace collinea

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/raster/image_file.h"
+#include "collinea/raster/jpeg_writer.h"
 
 #include <gtest/gtest.h>
 
@@ -14,6 +15,7 @@
 #include <cstring>
 #include <thread>
 
+#include "collinea/base/file.h"
 #include "collinea/base/test_folder.h"
 #include "collinea/math/random.h"
 #include "collinea/raster/codec.h"
@@ -48,6 +50,30 @@ TEST(ImageFile, JpegComesBackAlmostAsItWas) {
   EXPECT_EQ(back.height, 61);
   EXPECT_LT(mean_difference(back, image()), 2.0);
   EXPECT_LT(mean_difference(read_grey(folder / "a.jpg").value(), grey_of(image())), 1.0);
+}
+
+TEST(ImageFile, JpegByRowsHasTheSameBytes) {
+  const TestFolder folder;
+  for (const int channels : {1, 3}) {
+    const Raster<std::uint8_t> whole = image(1500, 700, channels);  // more bytes than are handed on at once
+    ASSERT_TRUE(write_jpeg(folder / "whole.jpg", whole, 98));
+    auto writer = JpegWriter::create(folder / "rows.jpg", whole.width, whole.height, channels, 98);
+    ASSERT_TRUE(writer) << writer.error().message;
+    for (int begin = 0; begin < whole.height; begin += 93) {
+      Raster<std::uint8_t> rows(whole.width, std::min(93, whole.height - begin), channels);
+      std::copy_n(whole.row(begin), rows.data.size(), rows.data.begin());
+      ASSERT_TRUE(writer->write(rows));
+    }
+    EXPECT_EQ(is_there(folder / "rows.jpg"), channels == 3);  // that of the first
+    ASSERT_TRUE(writer->finish());
+    EXPECT_EQ(read_bytes(folder / "rows.jpg").value(), read_bytes(folder / "whole.jpg").value());
+  }
+  // Rows that never came: no file.
+  { ASSERT_TRUE(JpegWriter::create(folder / "none.jpg", 10, 10, 1, 90)); }
+  auto writer = JpegWriter::create(folder / "none.jpg", 10, 10, 1, 90);
+  ASSERT_TRUE(writer);
+  EXPECT_FALSE(writer->finish());
+  EXPECT_FALSE(JpegWriter::create(folder / "none.jpg", 70'000, 10, 1, 90));
 }
 
 TEST(ImageFile, ShrinkingKeepsTheCeilingOfTheSizeAndTheContent) {

@@ -6,8 +6,10 @@
 #include <jerror.h>
 #include <jpeglib.h>
 
+#include "collinea/base/file.h"
 #include "collinea/raster/codec.h"
 #include "collinea/raster/image_file.h"
+#include "collinea/raster/jpeg_writer.h"
 
 // libjpeg leaves by longjmp. Functions that call setjmp therefore hold no C++ object with a destructor, and say by
 // their bool whether they got through; the message stays in JpegErrors.
@@ -130,23 +132,87 @@ struct JpegEncoder {
   JpegEncoder& operator=(const JpegEncoder&) = delete;
 };
 
-bool encode(JpegEncoder& encoder, const Raster<std::uint8_t>& image, int quality) {
-  if (setjmp(encoder.errors.back)) return false;
-  jpeg_compress_struct& info = encoder.info;
-  jpeg_create_compress(&info);
-  jpeg_mem_dest(&info, &encoder.bytes, &encoder.size);
-  info.image_width = JDIMENSION(image.width);
-  info.image_height = JDIMENSION(image.height);
-  info.input_components = image.channels;
-  info.in_color_space = image.channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
+void start(jpeg_compress_struct& info, int width, int height, int channels, int quality) {
+  info.image_width = JDIMENSION(width);
+  info.image_height = JDIMENSION(height);
+  info.input_components = channels;
+  info.in_color_space = channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
   jpeg_set_defaults(&info);
-  jpeg_set_quality(&info, quality, TRUE);
+  jpeg_set_quality(&info, std::clamp(quality, 1, 100), TRUE);
   jpeg_start_compress(&info, TRUE);
-  while (info.next_scanline < info.image_height) {
-    JSAMPROW row = const_cast<JSAMPROW>(image.row(int(info.next_scanline)));
+}
+
+void write_rows(jpeg_compress_struct& info, const Raster<std::uint8_t>& rows) {
+  for (int y = 0; y < rows.height; ++y) {
+    JSAMPROW row = const_cast<JSAMPROW>(rows.row(y));
     jpeg_write_scanlines(&info, &row, 1);
   }
-  jpeg_finish_compress(&info);
+}
+
+bool encode(JpegEncoder& encoder, const Raster<std::uint8_t>& image, int quality) {
+  if (setjmp(encoder.errors.back)) return false;
+  jpeg_create_compress(&encoder.info);
+  jpeg_mem_dest(&encoder.info, &encoder.bytes, &encoder.size);
+  start(encoder.info, image.width, image.height, image.channels, quality);
+  write_rows(encoder.info, image);
+  jpeg_finish_compress(&encoder.info);
+  return true;
+}
+
+Result<> check_jpeg_size(int width, int height) {
+  if (width < 1 || height < 1 || width > 65500 || height > 65500)
+    return fail(Errc::kUnsupported, "a JPEG image has 1 to 65500 columns and rows");
+  return {};
+}
+
+tl::unexpected<Error> not_written(const JpegEncoder& encoder) {
+  return fail(Errc::kBadInput, std::string("JPEG cannot be written: ") + encoder.errors.message);
+}
+
+// Where libjpeg writes: a buffer that goes to a file when it is full.
+struct FileSink {
+  jpeg_destination_mgr base;  // first: libjpeg hands out a pointer to it
+  OutputFile* file;
+  JOCTET buffer[1 << 16];
+
+  static FileSink& of(j_compress_ptr info) { return *reinterpret_cast<FileSink*>(info->dest); }
+  void rewind() {
+    base.next_output_byte = buffer;
+    base.free_in_buffer = sizeof buffer;
+  }
+  void drain(std::size_t bytes) { file->write({reinterpret_cast<const char*>(buffer), bytes}); }
+};
+
+void use(FileSink& sink, jpeg_compress_struct& info) {
+  sink.base.init_destination = [](j_compress_ptr of) { FileSink::of(of).rewind(); };
+  sink.base.empty_output_buffer = [](j_compress_ptr of) -> boolean {
+    FileSink::of(of).drain(sizeof FileSink::buffer);
+    FileSink::of(of).rewind();
+    return TRUE;
+  };
+  sink.base.term_destination = [](j_compress_ptr of) {
+    FileSink::of(of).drain(sizeof FileSink::buffer - FileSink::of(of).base.free_in_buffer);
+  };
+  info.dest = &sink.base;
+}
+
+bool begin(JpegEncoder& encoder, FileSink& sink, int width, int height, int channels, int quality) {
+  if (setjmp(encoder.errors.back)) return false;
+  jpeg_create_compress(&encoder.info);
+  use(sink, encoder.info);
+  start(encoder.info, width, height, channels, quality);
+  return true;
+}
+
+bool go_on(JpegEncoder& encoder, const Raster<std::uint8_t>& rows) {
+  if (setjmp(encoder.errors.back)) return false;
+  write_rows(encoder.info, rows);
+  return true;
+}
+
+bool end(JpegEncoder& encoder) {
+  if (setjmp(encoder.errors.back)) return false;
+  jpeg_finish_compress(&encoder.info);
   return true;
 }
 
@@ -174,12 +240,43 @@ Result<Size> jpeg_size(const std::string& bytes, std::uint64_t file_bytes) {
 
 Result<std::string> encode_jpeg(const Raster<std::uint8_t>& image, int quality) {
   COLLINEA_CHECK(image.channels == 1 || image.channels == 3);
-  if (image.width < 1 || image.height < 1 || image.width > 65500 || image.height > 65500)
-    return fail(Errc::kUnsupported, "a JPEG image has 1 to 65500 columns and rows");
+  COLLINEA_TRY(check_jpeg_size(image.width, image.height));
   JpegEncoder encoder;
-  if (!encode(encoder, image, std::clamp(quality, 1, 100)))
-    return fail(Errc::kBadInput, std::string("JPEG cannot be written: ") + encoder.errors.message);
+  if (!encode(encoder, image, quality)) return not_written(encoder);
   return std::string(reinterpret_cast<const char*>(encoder.bytes), encoder.size);
+}
+
+struct JpegWriter::State {
+  explicit State(OutputFile out) : file(std::move(out)) { sink.file = &file; }
+  OutputFile file;
+  FileSink sink;
+  JpegEncoder encoder;
+};
+
+JpegWriter::JpegWriter(std::unique_ptr<State> state) : state_(std::move(state)) {}
+JpegWriter::JpegWriter(JpegWriter&&) noexcept = default;
+JpegWriter::~JpegWriter() = default;
+
+Result<JpegWriter> JpegWriter::create(const std::filesystem::path& path, int width, int height, int channels,
+                                      int quality) {
+  COLLINEA_CHECK(channels == 1 || channels == 3);
+  COLLINEA_TRY(check_jpeg_size(width, height));
+  COLLINEA_TRY(OutputFile file, OutputFile::create(path));
+  auto state = std::make_unique<State>(std::move(file));
+  if (!begin(state->encoder, state->sink, width, height, channels, quality)) return not_written(state->encoder);
+  return JpegWriter(std::move(state));
+}
+
+Result<> JpegWriter::write(const Raster<std::uint8_t>& rows) {
+  const jpeg_compress_struct& info = state_->encoder.info;
+  COLLINEA_CHECK(rows.channels == info.input_components && rows.width == int(info.image_width));
+  if (!go_on(state_->encoder, rows)) return not_written(state_->encoder);
+  return {};
+}
+
+Result<> JpegWriter::finish() {
+  if (!end(state_->encoder)) return not_written(state_->encoder);
+  return state_->file.finish();
 }
 
 }  // namespace collinea

@@ -57,9 +57,10 @@ std::string map_text(const PairMap& map) {
       100 * double(map.interpolated_cells) / cells, 100 * double(map.painted_cells) / cells, map.mean_sigma_m);
 }
 
-std::string orientation_text(const PairOrientation& of) {
-  std::string text = fmt::format("relative orientation by {}: {} points, {} rejected, sigma0 {:.3f} px\n", of.by,
-                                 of.points, of.rejected, of.sigma0_px);
+std::string orientation_text(const PairOrientation& of, int shrink) {
+  const std::string where = of.shrink == shrink ? "" : fmt::format(" at 1/{} of the size", of.shrink);
+  std::string text = fmt::format("relative orientation by {}{}: {} points, {} rejected, sigma0 {:.3f} px\n", of.by,
+                                 where, of.points, of.rejected, of.sigma0_px);
   const auto elements = dependent_elements(of.orientation.second_from_first);
   if (!elements) return text + "  the base lies across x: no elements of the dependent form\n";
   const Matrix5 by = dependent_by_change(of.orientation.second_from_first);
@@ -73,6 +74,23 @@ std::string orientation_text(const PairOrientation& of) {
                         std::sqrt(covariance(i, i)) / unit, i < 2 ? "" : " deg");
   }
   return text;
+}
+
+// Their pixels in the middle are as large as those of the images.
+std::string epipolar_text(const PairReport& report) {
+  const Camera &left = report.epipolar.left, &right = report.epipolar.right;
+  std::string text = fmt::format(
+      "epipolar images: {} x {} and {} x {} px, principal distance {:.1f} px; y-parallax of the points {:.3f} px RMS; "
+      "a row is known to {:.2f} px\n",
+      left.width_px, left.height_px, right.width_px, right.height_px, left.focal_px(), report.y_parallax_rms_px,
+      report.row_sigma_px);
+  text += fmt::format("  {}, principal points {:.1f}, {:.1f} and {:.1f}, {:.1f} px", word_of(report.resampling),
+                      left.params[Camera::kCx], left.params[Camera::kCy], right.params[Camera::kCx],
+                      right.params[Camera::kCy]);
+  if (report.pixel_um)
+    text += fmt::format("; pixel {:.3f} um, principal distance {:.3f} mm", *report.pixel_um,
+                        1e-3 * *report.pixel_um * left.focal_px());
+  return text + "\n";
 }
 
 std::string surface_text(const PairReport& report) {
@@ -109,13 +127,8 @@ std::string pair_text(const PairReport& report) {
                         i == 0 ? "left" : "right", report.scans[i].marks, report.scans[i].misread,
                         report.scans[i].rms_um, report.scans[i].pixel_um);
   text += search_text(report);
-  for (const PairOrientation& orientation : report.orientations) text += orientation_text(orientation);
-  text += fmt::format(
-      "epipolar images: {} x {} and {} x {} px, principal distance {:.1f} px; y-parallax of the points {:.3f} px RMS; "
-      "a "
-      "row is known to {:.2f} px\n",
-      report.epipolar.left.width_px, report.epipolar.left.height_px, report.epipolar.right.width_px,
-      report.epipolar.right.height_px, report.epipolar.left.focal_px(), report.y_parallax_rms_px, report.row_sigma_px);
+  for (const PairOrientation& orientation : report.orientations) text += orientation_text(orientation, report.shrink);
+  text += epipolar_text(report);
   text += surface_text(report);
   if (report.absolute) text += absolute_text(report);
   if (report.map) text += map_text(*report.map);

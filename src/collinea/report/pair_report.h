@@ -28,6 +28,7 @@ struct PairOrientation {
   std::size_t points = 0, rejected = 0;
   RelativeOrientation orientation;
   double sigma0_px = 0;
+  int shrink = 1;  ///< of the images, against the files
 };
 
 /// The interior orientation of a scan of film.
@@ -52,6 +53,8 @@ struct PairReport {
   std::vector<PairPointStage> search;
   std::vector<PairOrientation> orientations;
   EpipolarPair epipolar;
+  std::optional<double> pixel_um;  ///< of the images as they were worked on, where the film says its size
+  Interpolation resampling = Interpolation::kBicubic;
   double y_parallax_rms_px = 0;  ///< of the homologous points in the epipolar images
   double row_sigma_px = 0;       ///< of the epipolar lines by the orientation, the largest at a point
   PairSurface surface = PairSurface::kLevels;

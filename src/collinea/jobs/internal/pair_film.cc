@@ -20,9 +20,9 @@ std::optional<Vector2d> PairFilm::in_right(const Vector2d& scan_px) const { retu
 
 Result<PairFilm> pair_film(const fs::path& left, const fs::path& right, const fs::path& folder,
                            const PairChainOptions& options, const Run& run) {
-  if (options.principal_distance_px || options.principal_point_px)
+  if (options.principal_distance_px || options.principal_point_px || options.camera)
     return fail(Errc::kBadInput, "the camera of film is that of its calibration",
-                {"principal_distance_px"_option, "principal_point_px"_option, "film"_option});
+                {"principal_distance_px"_option, "principal_point_px"_option, "camera"_option, "film"_option});
   COLLINEA_TRY(const MarkSearch search, film_search(options.film, left));
   PairFilm film;
   for (const auto& [file, scan] : {std::pair(left, &film.left), std::pair(right, &film.right)}) {

@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "collinea/ortho/orthophoto.h"
 #include "collinea/radiometry/view.h"
 #include "collinea/raster/hillshade.h"
 #include "collinea/raster/image_file.h"
+#include "collinea/cloud/ply_reader.h"
 #include "collinea/surface/dsm.h"
 
 namespace collinea {
@@ -35,34 +37,34 @@ Block block_of(const MappedPair& pair) {
   return block;
 }
 
-PointSource points_of(const std::vector<CloudPoint>& cloud) {
-  return [&cloud, next = std::size_t{0}](std::vector<SurfacePoint>& batch) mutable -> Result<> {
+Result<PointSource> points_of(const MappedCloud& cloud) {
+  COLLINEA_TRY(PlyReader opened, PlyReader::open(cloud.file));
+  const auto reader = std::make_shared<PlyReader>(std::move(opened));
+  return PointSource([reader, map_from_file = cloud.map_from_file](std::vector<SurfacePoint>& batch) -> Result<> {
     batch.clear();
-    for (; next < cloud.size() && batch.size() < kBatch; ++next)
-      batch.push_back({cloud[next].position, cloud[next].sigma_m, cloud[next].images});
+    COLLINEA_TRY(const std::vector<CloudPoint> points, reader->read(kBatch));
+    for (const CloudPoint& point : points)
+      batch.push_back({map_from_file * point.position, point.sigma_m, point.images});
     return {};
-  };
+  });
 }
 
-// What a point has to itself on the map, as the side of a square: of the middle half of the points in each direction.
-double distance_m(const std::vector<CloudPoint>& cloud) {
-  double side[2];
-  for (int axis = 0; axis < 2; ++axis) {
-    std::vector<double> values;
-    for (const CloudPoint& point : cloud) values.push_back(point.position[axis]);
-    std::sort(values.begin(), values.end());
-    side[axis] = values[values.size() * 3 / 4] - values[values.size() / 4];
+// A folder that is gone in the end, with all that is in it.
+struct Scratch {
+  fs::path path;
+  ~Scratch() {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
   }
-  return std::sqrt(side[0] * side[1] / (0.25 * double(cloud.size())));
-}
+};
 
 }  // namespace
 
-Result<std::optional<PairMap>> map_pair(const MappedPair& pair, const std::vector<CloudPoint>& cloud, double gsd_m,
-                                        std::optional<double> cell_m, const fs::path& folder, const Run& run) {
+Result<std::optional<PairMap>> map_pair(const MappedPair& pair, const MappedCloud& cloud, std::optional<double> cell_m,
+                                        const fs::path& folder, const Run& run) {
   const Block block = block_of(pair);
-  if (cloud.size() < 4 || !looks_down(block)) return std::optional<PairMap>();
-  const double distance = distance_m(cloud);
+  if (cloud.points < 4 || !looks_down(block)) return std::optional<PairMap>();
+  const double distance = cloud.distance_m, gsd_m = cloud.pixel_m;
   if (cell_m && *cell_m < kLeastPart * distance)
     return fail(Errc::kBadInput,
                 fmt::format("cells of {:.3g} m would hardly hold a point: points of the surface are {:.3g} m apart",
@@ -72,8 +74,10 @@ Result<std::optional<PairMap>> map_pair(const MappedPair& pair, const std::vecto
   map.cell_m = cell_m.value_or(tidy_cell_m(std::max(gsd_m, distance)));
   const DsmFiles files{folder / "dsm.tif", folder / "dsm_sigma.tif", folder / "dsm_state.tif", folder / "dsm_count.tif",
                        folder / "dsm_sigma_relative.tif"};
-  COLLINEA_TRY(const DsmSummary surface, build_dsm({.points = points_of(cloud), .gsd_m = gsd_m}, files,
-                                                   folder / "scratch", {.cell_m = map.cell_m}, run));
+  const Scratch scratch{folder / "scratch"};
+  COLLINEA_TRY(PointSource points, points_of(cloud));
+  COLLINEA_TRY(const DsmSummary surface, build_dsm({.points = std::move(points), .gsd_m = gsd_m}, files, scratch.path,
+                                                   {.cell_m = map.cell_m}, run));
   map.width = surface.grid.width;
   map.height = surface.grid.height;
   map.measured_cells = surface.measured_cells;
@@ -86,8 +90,6 @@ Result<std::optional<PairMap>> map_pair(const MappedPair& pair, const std::vecto
                                                          OrthoFiles{folder / "ortho.tif", folder / "ortho_source.tif"},
                                                          {.cell_m = map.cell_m}, run));
   map.painted_cells = ortho.painted_cells;
-  std::error_code ignored;
-  fs::remove_all(folder / "scratch", ignored);
   return std::optional(map);
 }
 

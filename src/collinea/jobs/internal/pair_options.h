@@ -11,6 +11,7 @@
 #include "collinea/epipolar/relative_orientation.h"
 #include "collinea/film/scan_marks.h"
 #include "collinea/match/pair_points.h"
+#include "collinea/raster/interpolation.h"
 #include "collinea/report/pair_report.h"
 
 namespace collinea {
@@ -18,9 +19,11 @@ namespace collinea {
 /// How two images become a surface.
 struct PairChainOptions {
   FilmScanOptions film;
+  std::optional<std::filesystem::path> camera;
   std::optional<double> principal_distance_px;
   std::optional<std::string> principal_point_px;
   std::optional<Resolution> resolution;
+  Interpolation resampling = Interpolation::kBicubic;
   std::optional<double> base_m;
   std::optional<double> cell_m;
   std::optional<std::filesystem::path> control;
@@ -35,11 +38,17 @@ struct PairChainOptions {
   static void describe(Visit&& visit) {
     using O = PairChainOptions;
     visit(Part{&O::film});
+    visit(Field{"camera", &O::camera, "",
+                "camera with its lens, as cameras.txt of COLMAP (ID MODEL WIDTH HEIGHT PARAMS...); of two cameras the "
+                "second is that of the right photograph"}
+              .leads_to(PathKind::kFile));
     visit(Field{"principal_distance_px", &O::principal_distance_px, "px", "of both images, as large as their files", 1,
                 1e7});
     visit(Field{"principal_point_px", &O::principal_point_px, "px", "column,row; nothing: the middle of the image"});
     visit(Field{"resolution", &O::resolution, "",
-                "at which the images are worked on; nothing: the largest with at most 16 million pixels"});
+                "at which the images are worked on; nothing: the largest with at most 256 million pixels, of the dense "
+                "surface 64"});
+    visit(Field{"resampling", &O::resampling, "", "how the epipolar images are made"});
     visit(Field{"base_m", &O::base_m, "m", "distance of the projection centres, for the scale", 1e-6, 1e9});
     visit(Field{"cell_m", &O::cell_m, "m",
                 "cell of surface model and orthophoto; nothing: the larger of the ground size of a pixel and the mean "

@@ -5,26 +5,52 @@
 #include <functional>
 #include <vector>
 
+#include "collinea/dense/level_point.h"
 #include "collinea/jobs/internal/pair_film.h"
 #include "collinea/jobs/internal/pair_options.h"
 #include "collinea/raster/raster.h"
 
 namespace collinea {
 
+/// The photographs of a pair, without their pixels.
+struct PairFiles {
+  std::optional<PairFilm> film = {};
+  std::array<std::filesystem::path, 2> files;
+  std::array<Camera, 2> cameras;
+
+  [[nodiscard]] double pixels() const;  ///< of the larger one
+};
+/// `folder`: where the ideal images of film are written.
+[[nodiscard]] Result<PairFiles> open_pair(const std::filesystem::path& left, const std::filesystem::path& right,
+                                          const std::filesystem::path& folder, const PairChainOptions& options,
+                                          const Run& run);
+
+/// By how much the images are reduced where points are looked for, and where they are measured and the surface is.
+struct PairShrinks {
+  int search = 1, surface = 1;
+};
+/// Error: the resolution asked for takes more memory than the machine has.
+[[nodiscard]] Result<PairShrinks> shrinks_of(const PairFiles& pair, const PairChainOptions& options);
+
 /// The images of a pair as they are worked on.
 struct PairImages {
   GreyImage left, right;
-  ColourImage left_colours;
   Camera left_camera, right_camera;  ///< of these images
   int shrink = 1;                    ///< against the files
-  std::optional<PairFilm> film = {};
-  std::array<std::filesystem::path, 2> files;
-  std::array<Camera, 2> file_cameras;  ///< of the files
 };
-/// `folder`: where the ideal images of film are written.
-[[nodiscard]] Result<PairImages> read_pair(const std::filesystem::path& left, const std::filesystem::path& right,
-                                           const std::filesystem::path& folder, const PairChainOptions& options,
-                                           const Run& run);
+[[nodiscard]] Result<PairImages> read_pair(const PairFiles& pair, int shrink, const Run& run);
+
+/// A pair in the frame of its left camera.
+struct PairModel {
+  Camera left_camera, right_camera;  ///< of the images as they are worked on
+  int shrink = 1;                    ///< of these against the files
+  RelativeOrientation orientation;
+  std::vector<MatchedPoint> points;
+  EpipolarPair epipolar;
+  std::vector<LevelPoint> in_epipolar;  ///< the points
+
+  [[nodiscard]] Rigid3 right_from_left() const;  ///< with the base of the epipolar pair
+};
 
 /// Points as the relative orientation takes them.
 [[nodiscard]] std::vector<PairPoint> normalised(const std::vector<MatchedPoint>& points, const PairImages& images,

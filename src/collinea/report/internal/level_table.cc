@@ -9,9 +9,10 @@ std::string level_table(std::span<const LevelCount> levels) {
   std::string text =
       fmt::format("  {:>9} {:>9} {:>9} {:>8} {:>13}\n", "threshold", "interest", "matched", "spikes", "searched[px]");
   for (const LevelCount& level : levels)
-    text += fmt::format("  {:>9} {:>9} {:>9} {:>8} {:>13.1f}\n",
+    text += fmt::format("  {:>9} {:>9} {:>9} {:>8} {:>13.1f}{}\n",
                         level.threshold > 0 ? fmt::format("{:.0f}", level.threshold) : "grid", level.interest,
-                        level.matched, level.spikes, level.median_interval_px);
+                        level.matched, level.spikes, level.median_interval_px,
+                        level.is_dropped ? "  dropped: too few points" : "");
   return text;
 }
 
