@@ -65,7 +65,7 @@ void Scene::find_squares() {
       const double x = terrain_.west_m() + (double(square % std::size_t(columns_)) + 0.5) * square_m_ - solid.x;
       const double y = terrain_.south_m() + (double(square / std::size_t(columns_)) + 0.5) * square_m_ - solid.y;
       const double u = solid.cosine * x + solid.sine * y, v = solid.cosine * y - solid.sine * x;
-      const double half_width_m = solid.shape == Solid::Shape::kColumn ? solid.half_length_m : solid.half_width_m;
+      const double half_width_m = solid.is_round() ? solid.half_length_m : solid.half_width_m;
       if (std::abs(u) <= solid.half_length_m + half_diagonal_m && std::abs(v) <= half_width_m + half_diagonal_m)
         lists[square].push_back(entry);
     });
