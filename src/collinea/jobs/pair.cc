@@ -10,10 +10,11 @@
 #include "collinea/base/file_text.h"
 #include "collinea/cloud/ply.h"
 #include "collinea/dense/stereo.h"
-#include "collinea/epipolar/intersect.h"
 #include "collinea/io/text.h"
 #include "collinea/jobs/internal/out_folder.h"
+#include "collinea/jobs/internal/pair_control.h"
 #include "collinea/jobs/internal/pair_map.h"
+#include "collinea/jobs/internal/pair_sigma.h"
 #include "collinea/jobs/internal/pair_steps.h"
 #include "collinea/math/median.h"
 #include "collinea/raster/image_file.h"
@@ -106,59 +107,6 @@ Result<std::vector<LevelPoint>> surface_of(const EpipolarImages& images, const R
   return points_of(map);
 }
 
-// Control of the table, intersected in the model.
-Result<> orient_absolutely(const fs::path& file, const PairImages& images, const EpipolarPair& cameras,
-                           const RelativeOrientation& orientation, double sigma_px, PairReport& report) {
-  const auto within = [&](Error error) { return std::move(error).within(file.string()); };
-  COLLINEA_TRY(const TextTable table, read_text_table(file));
-  COLLINEA_TRY(report.control_names, table.words("point").map_error(within));
-  std::array<std::vector<double>, 4> pixels;
-  const char* const columns[] = {"x_left", "y_left", "x_right", "y_right"};
-  for (std::size_t i = 0; i < 4; ++i) {
-    COLLINEA_TRY(pixels[i], table.numbers(columns[i], "px").map_error(within));
-  }
-  std::array<std::vector<double>, 3> ground, sigmas;
-  const char* const axes[] = {"X", "Y", "Z"};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::string axis = axes[i];
-    COLLINEA_TRY(ground[i], table.numbers_or(axis, "m", std::nan("")).map_error(within));
-    COLLINEA_TRY(sigmas[i], table.numbers_or("sigma_" + axis, "m", 0.02).map_error(within));
-  }
-  Rigid3 right_from_left = orientation.second_from_first;
-  right_from_left.translation *= cameras.base_m;
-  std::vector<AbsoluteControl> pairs;
-  for (std::size_t i = 0; i < table.rows.size(); ++i) {
-    Eigen::Vector2d in_left(pixels[0][i], pixels[1][i]), in_right(pixels[2][i], pixels[3][i]);
-    if (images.film) {
-      const auto left = images.film->in_left(in_left), right = images.film->in_right(in_right);
-      if (!left || !right)
-        return fail(Errc::kBadInput,
-                    fmt::format("{}: point {} lies beyond the film", file.string(), report.control_names[i]));
-      in_left = *left;
-      in_right = *right;
-    }
-    const double sigma = sigma_px / images.shrink;
-    const std::array<SightLine, 2> lines = {
-        SightLine{&images.left_camera, {}, in_left / images.shrink, sigma, {}},
-        SightLine{&images.right_camera, right_from_left, in_right / images.shrink, sigma, {}}};
-    const auto met = intersect(lines);
-    if (!met)
-      return fail(Errc::kIllPosed, fmt::format("{}: the rays of point {} do not meet in front of the cameras",
-                                               file.string(), report.control_names[i]));
-    AbsoluteControl pair{.in_model = met->point_in_world, .model_covariance = met->covariance};
-    pair.in_ground = {ground[0][i], ground[1][i], ground[2][i]};
-    pair.has_plan = pair.in_ground.head<2>().allFinite();
-    pair.has_height = std::isfinite(pair.in_ground.z());
-    for (int k = 0; k < 3; ++k) {
-      pair.ground_covariance(k, k) = sigmas[std::size_t(k)][i] * sigmas[std::size_t(k)][i];
-      if (!std::isfinite(pair.in_ground[k])) pair.in_ground[k] = 0;
-    }
-    pairs.push_back(pair);
-  }
-  COLLINEA_TRY(report.absolute, absolute_orientation(pairs).map_error(within));
-  return {};
-}
-
 TextTable point_table(const std::vector<MatchedPoint>& points, const RelativeOrientation& orientation, int shrink) {
   TextTable table;
   table.remarks = {std::string(kPointsRemark)};
@@ -193,42 +141,60 @@ ColourImage check_of(const EpipolarImages& images) {
 }
 
 // In the frame of the left camera, or with absolute orientation on the ground.
-std::vector<CloudPoint> cloud_of(const EpipolarImages& images, const std::vector<LevelPoint>& points,
-                                 const std::optional<AbsoluteOrientation>& absolute) {
-  std::vector<CloudPoint> cloud;
-  for (const LevelPoint& point : points) {
+struct PairCloud {
+  std::vector<CloudPoint> points;       // with the sigmas of matching, along the view
+  std::vector<float> by_orientation_m;  // what relative and absolute orientation add
+  std::vector<PositionSigma> heights;   // what they add to heights, at positions spread over the map
+};
+
+PairCloud cloud_of(const EpipolarImages& images, const std::vector<LevelPoint>& points,
+                   const std::optional<AbsoluteOrientation>& absolute, const PairOrientationSigma& orientation) {
+  constexpr std::size_t kPositions = 400;
+  PairCloud cloud;
+  const Similarity3 ground_from_model = absolute ? absolute->ground_from_model : Similarity3{};
+  const Eigen::Vector3d view =
+      ground_from_model.rotation * images.cameras.left_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const LevelPoint& point = points[i];
     CloudPoint made;
     made.position = point_of(images.cameras, point);
     if (!made.position.allFinite() || !(images.cameras.depth_at(point.disparity_px) > 0)) continue;
-    double scale = 1;
-    if (absolute) {
-      made.position = absolute->ground_from_model * made.position;
-      scale = absolute->ground_from_model.scale;
-    }
+    made.position = ground_from_model * made.position;
     const int x = std::clamp(int(point.left_px.x()), 0, images.colours.width - 1);
     const int y = std::clamp(int(point.left_px.y()), 0, images.colours.height - 1);
     for (int c = 0; c < 3; ++c) made.colour[std::size_t(c)] = images.colours.at(x, y, c);
-    made.sigma_m = float(scale * sigma_z(images.cameras, point));
+    made.sigma_m = float(ground_from_model.scale * sigma_z(images.cameras, point));
     made.images = 2;
-    cloud.push_back(made);
+    const Eigen::Matrix3d covariance = orientation.covariance(point.left_px, point.disparity_px);
+    cloud.by_orientation_m.push_back(float(std::sqrt(view.dot(covariance * view))));
+    if (i % (points.size() / kPositions + 1) == 0)
+      cloud.heights.push_back({made.position.x(), made.position.y(), std::sqrt(covariance(2, 2))});
+    cloud.points.push_back(made);
   }
   return cloud;
 }
 
-Result<> write_cloud(const fs::path& folder, const std::vector<CloudPoint>& cloud, bool is_on_ground) {
+Result<> write_cloud(const fs::path& folder, const PairCloud& cloud, bool is_on_ground) {
+  constexpr std::size_t kBatch = 100'000;
   COLLINEA_TRY(PlyWriter writer,
                PlyWriter::create(folder / "cloud.ply",
                                  is_on_ground ? std::string(kPairCloudComment) : std::string(kLeftCameraCloudComment)));
-  writer.write(cloud);
+  for (std::size_t first = 0; first < cloud.points.size(); first += kBatch) {
+    const std::size_t last = std::min(first + kBatch, cloud.points.size());
+    std::vector<CloudPoint> batch(cloud.points.begin() + std::ptrdiff_t(first),
+                                  cloud.points.begin() + std::ptrdiff_t(last));
+    for (std::size_t i = first; i < last; ++i)
+      batch[i - first].sigma_m = std::hypot(batch[i - first].sigma_m, cloud.by_orientation_m[i]);
+    writer.write(batch);
+  }
   return writer.finish();
 }
 
 // Surface model and orthophoto: on the ground, or without control in the frame of the left camera with z towards it,
 // once the base is in metres.
 Result<std::optional<PairMap>> map_of(const PairImages& images, const EpipolarPair& cameras,
-                                      const RelativeOrientation& orientation, const PairReport& report,
-                                      std::vector<CloudPoint> cloud, std::optional<double> cell_m,
-                                      const fs::path& folder, const Run& run) {
+                                      const RelativeOrientation& orientation, const PairReport& report, PairCloud cloud,
+                                      std::optional<double> cell_m, const fs::path& folder, const Run& run) {
   if (!report.absolute && !report.has_base) return std::optional<PairMap>();
   Similarity3 ground_from_model{.rotation = Eigen::Quaterniond(0, 1, 0, 0)};  // half a turn about x
   if (report.absolute) ground_from_model = report.absolute->ground_from_model;
@@ -238,11 +204,13 @@ Result<std::optional<PairMap>> map_of(const PairImages& images, const EpipolarPa
                         images.file_cameras,
                         {moved(Rigid3{}, ground_from_model), moved(right_from_left, ground_from_model)}};
   std::vector<double> sizes_m;
-  for (CloudPoint& point : cloud) {
+  if (!report.absolute)
+    for (PositionSigma& at : cloud.heights) at.y = -at.y;
+  for (CloudPoint& point : cloud.points) {
     if (!report.absolute) point.position = ground_from_model * point.position;
     sizes_m.push_back((pair.cam_from_ground[0] * point.position).z() / images.left_camera.focal_px());
   }
-  return map_pair(pair, cloud, sizes_m.empty() ? 1 : median(sizes_m), cell_m, folder, run);
+  return map_pair(pair, cloud.points, cloud.heights, sizes_m.empty() ? 1 : median(sizes_m), cell_m, folder, run);
 }
 
 void describe_points(const EpipolarImages& images, const std::vector<LevelPoint>& points, PairReport& report) {
@@ -291,9 +259,13 @@ Result<PairReport> orient_and_match(const fs::path& left, const fs::path& right,
   COLLINEA_TRY(const EpipolarImages epipolar,
                epipolar_images(images, orientation, options.base_m.value_or(1), points, run));
   report.epipolar = epipolar.cameras;
+  std::optional<PairControl> control;
   if (options.control) {
-    COLLINEA_TRY(
-        orient_absolutely(*options.control, images, epipolar.cameras, orientation, options.control_sigma_px, report));
+    COLLINEA_TRY(control, read_pair_control(*options.control, images, options.control_sigma_px));
+    report.control_names = control->names;
+    Rigid3 right_from_left = orientation.second_from_first;
+    right_from_left.translation *= epipolar.cameras.base_m;
+    COLLINEA_TRY(report.absolute, oriented_absolutely(*control, images, right_from_left));
   }
   COLLINEA_TRY(const std::vector<LevelPoint> surface, surface_of(epipolar, orientation, options, report, run));
   describe_points(epipolar, surface, report);
@@ -301,8 +273,10 @@ Result<PairReport> orient_and_match(const fs::path& left, const fs::path& right,
   COLLINEA_TRY(write_png(folder / "epipolar_left.png", epipolar.left));
   COLLINEA_TRY(write_png(folder / "epipolar_right.png", epipolar.right));
   COLLINEA_TRY(write_png(folder / "epipolar_check.png", check_of(epipolar)));
-  std::vector<CloudPoint> cloud = cloud_of(epipolar, surface, report.absolute);
-  report.surface_points = cloud.size();
+  COLLINEA_TRY(const PairOrientationSigma of_orientation,
+               PairOrientationSigma::of(images, orientation, epipolar.cameras, control, report.absolute, surface));
+  PairCloud cloud = cloud_of(epipolar, surface, report.absolute, of_orientation);
+  report.surface_points = cloud.points.size();
   COLLINEA_TRY(write_cloud(folder, cloud, report.absolute.has_value()));
   COLLINEA_TRY(report.map,
                map_of(images, epipolar.cameras, orientation, report, std::move(cloud), options.cell_m, folder, run));

@@ -58,7 +58,8 @@ double distance_m(const std::vector<CloudPoint>& cloud) {
 
 }  // namespace
 
-Result<std::optional<PairMap>> map_pair(const MappedPair& pair, const std::vector<CloudPoint>& cloud, double gsd_m,
+Result<std::optional<PairMap>> map_pair(const MappedPair& pair, const std::vector<CloudPoint>& cloud,
+                                        const std::vector<PositionSigma>& by_orientation, double gsd_m,
                                         std::optional<double> cell_m, const fs::path& folder, const Run& run) {
   const Block block = block_of(pair);
   if (cloud.size() < 4 || !looks_down(block)) return std::optional<PairMap>();
@@ -72,13 +73,15 @@ Result<std::optional<PairMap>> map_pair(const MappedPair& pair, const std::vecto
   map.cell_m = cell_m.value_or(tidy_cell_m(std::max(gsd_m, distance)));
   const DsmFiles files{folder / "dsm.tif", folder / "dsm_sigma.tif", folder / "dsm_state.tif", folder / "dsm_count.tif",
                        folder / "dsm_sigma_relative.tif"};
-  COLLINEA_TRY(const DsmSummary surface, build_dsm({.points = points_of(cloud), .gsd_m = gsd_m}, files,
-                                                   folder / "scratch", {.cell_m = map.cell_m}, run));
+  COLLINEA_TRY(const DsmSummary surface,
+               build_dsm({.points = points_of(cloud), .gsd_m = gsd_m, .position_sigmas = by_orientation}, files,
+                         folder / "scratch", {.cell_m = map.cell_m}, run));
   map.width = surface.grid.width;
   map.height = surface.grid.height;
   map.measured_cells = surface.measured_cells;
   map.interpolated_cells = surface.interpolated_cells;
   map.mean_sigma_m = surface.mean_sigma_m;
+  map.mean_sigma_relative_m = surface.mean_sigma_relative_m;
   COLLINEA_TRY(write_hillshade(files.height, folder / "dsm_hillshade.tif", run));
   COLLINEA_TRY(const HeightField heights, open_height_field(files.height, files.sigma));
   const auto pixels = [&](ImageId image, int shrink) { return read_colour(block.images.at(image).file, shrink); };

@@ -9,6 +9,7 @@
 #include "collinea/block/block.h"
 #include "collinea/cloud/ply.h"
 #include "collinea/report/pair_report.h"
+#include "collinea/surface/dsm.h"
 
 namespace collinea {
 
@@ -20,12 +21,14 @@ struct MappedPair {
 };
 
 /// The surface model and the true orthophoto of a pair: dsm.tif, dsm_sigma.tif, dsm_state.tif, dsm_count.tif,
-/// ortho.tif, ortho_source.tif and dsm_hillshade.tif in the folder. `cloud` lies in the frame of the pair. The sigmas
-/// of heights are those of matching, without what the orientation adds. Nothing where the images do not look down.
+/// dsm_sigma_relative.tif, ortho.tif, ortho_source.tif and dsm_hillshade.tif in the folder. `cloud` lies in the frame
+/// of the pair, with the sigmas of matching; `by_orientation` is what the orientation adds to those of heights. Nothing
+/// where the images do not look down.
 /// Cell: given, else the larger of the ground size of a pixel (`gsd_m`) and the mean distance of points. Errors: a cell
 /// far smaller than that distance; disk, stopped.
 [[nodiscard]] Result<std::optional<PairMap>> map_pair(const MappedPair& pair, const std::vector<CloudPoint>& cloud,
-                                                      double gsd_m, std::optional<double> cell_m,
-                                                      const std::filesystem::path& folder, const Run& run);
+                                                      const std::vector<PositionSigma>& by_orientation, double gsd_m,
+                                                      std::optional<double> cell_m, const std::filesystem::path& folder,
+                                                      const Run& run);
 
 }  // namespace collinea
