@@ -232,8 +232,12 @@ Eigen::Vector2d Road::position(double off_m, double along_m, int number) const {
 
 Colour ground_albedo(const Ground& ground, double x, double y, double footprint_m) {
   if (ground.kind == Ground::Kind::kPaving) return paving(ground, x, y, footprint_m);
-  if (ground.kind == Ground::Kind::kRocks) return rocks(ground, x, y, footprint_m);
-  Colour colour = fields(ground, x, y, footprint_m);
+  const bool is_rock = ground.kind == Ground::Kind::kRocks;
+  Colour colour = is_rock ? rocks(ground, x, y, footprint_m) : fields(ground, x, y, footprint_m);
+  if (ground.district_m > 0) {
+    const Fractal districts{ground.district_m, 5, 0.8f, ground.seed + 131};
+    colour = darkened(colour, 1 + 0.35f * districts(x, y, footprint_m));
+  }
   for (const Road& road : ground.roads) colour = with_road(road, colour, x, y, footprint_m, ground.seed);
   return colour;
 }

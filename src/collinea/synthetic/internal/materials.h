@@ -30,7 +30,8 @@ struct Road {
 struct Ground {
   enum class Kind : std::uint8_t { kFields, kPaving, kRocks };
   Kind kind = Kind::kFields;
-  double field_m = 38;  ///< mean size of a field
+  double field_m = 38;    ///< mean size of a field
+  double district_m = 0;  ///< size of the largest parts of brighter and darker land; 0: none
   std::vector<Road> roads;
   std::uint32_t seed = 0;
 };

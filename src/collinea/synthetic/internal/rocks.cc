@@ -18,6 +18,8 @@ constexpr double kCoarsest_m = 600, kFinest_m = 1, kShare = 0.45, kPersistence =
 // Strata: beds by turns soft and hard, whose slopes are 1 - kBench and 1 + kBench of what the erosion left.
 constexpr double kBed_m = 18, kBench = 0.65, kBedWave_m = 90, kBedShift_m = 7;
 
+constexpr double kDistrict_m = 420;  // size of the largest parts of brighter and darker rock
+
 double rock_height(double x, double y, double relief_m, std::uint32_t seed) {
   double sum = 0, amplitude = kShare * relief_m, u = x, v = y;
   for (double spacing_m = kCoarsest_m; spacing_m > kFinest_m; spacing_m /= 2, amplitude *= kPersistence) {
@@ -60,6 +62,7 @@ Scene make_rocks(const CountryOptions& options) {
   Ground ground;
   ground.kind = Ground::Kind::kRocks;
   ground.seed = seed + 1000;
+  ground.district_m = kDistrict_m;
   std::vector<Solid> houses = few_houses(options, terrain, random);
   return {std::move(terrain), std::move(ground), std::move(houses),
           sunlight(options.sun_azimuth_deg, options.sun_elevation_deg)};

@@ -14,6 +14,7 @@ namespace collinea {
 namespace {
 
 constexpr double kGarden_m = 13;      // mean size of a garden
+constexpr double kDistrict_m = 260;   // size of the largest parts of brighter and darker land
 constexpr double kTreeArea_m2 = 260;  // land for one tree
 constexpr double kSquare_m = 32;      // of the index: above the diameters of two halls and the space between
 constexpr int kTrialsPerHouse = 12;
@@ -151,6 +152,7 @@ Scene make_town(const CountryOptions& options) {
       terrain_of(options, [&](double x, double y) { return hill_height(x, y, options.relief_m, seed); });
   Ground ground;
   ground.seed = seed + 1000;
+  ground.district_m = kDistrict_m;
   ground.field_m = kGarden_m;
   ground.roads = make_streets(random);
   Plan plan;
