@@ -9,6 +9,7 @@
 #include "collinea/base/file.h"
 #include "collinea/cloud/las.h"
 #include "collinea/cloud/ply.h"
+#include "collinea/io/number_rows.h"
 #include "collinea/io/text.h"
 #include "collinea/jobs/internal/out_folder.h"
 #include "collinea/jobs/internal/point_rows.h"
@@ -84,6 +85,25 @@ Result<Reference> open_reference(const fs::path& path) {
     COLLINEA_TRY(reference.points, points_of_table(path));
   }
   return reference;
+}
+
+// The points that lie in a rectangle: west,south,east,north.
+Result<ReferencePoints> points_in(ReferencePoints all, const std::string& area) {
+  const auto sides = parse_numbers(area);
+  if (!sides || sides->size() != 4 || !((*sides)[0] < (*sides)[2]) || !((*sides)[1] < (*sides)[3]))
+    return fail(Errc::kBadInput, "the area is not west,south,east,north with west below east and south below north",
+                {"area"_option});
+  const Eigen::Vector2d low((*sides)[0], (*sides)[1]), high((*sides)[2], (*sides)[3]);
+  return [all = std::move(all), low, high](bool from_start) -> Result<std::vector<Eigen::Vector3d>> {
+    for (;; from_start = false) {
+      COLLINEA_TRY(std::vector<Eigen::Vector3d> points, all(from_start));
+      if (points.empty()) return points;
+      std::erase_if(points, [&](const Eigen::Vector3d& point) {
+        return (point.head<2>().array() < low.array()).any() || (point.head<2>().array() > high.array()).any();
+      });
+      if (!points.empty()) return points;
+    }
+  };
 }
 
 fs::path beside(const fs::path& surface, const std::string& what) {
@@ -187,7 +207,10 @@ Result<Evaluation> evaluate_surface(const fs::path& surface, const fs::path& ref
                                     const Run& run) {
   COLLINEA_TRY(validate(options));
   COLLINEA_TRY(const HeightField field, open_height_field(surface, beside(surface, "sigma")));
-  COLLINEA_TRY(const Reference compared, open_reference(reference));
+  COLLINEA_TRY(Reference compared, open_reference(reference));
+  if (options.area) {
+    COLLINEA_TRY(compared.points, points_in(std::move(compared.points), *options.area));
+  }
   Evaluation evaluation;
   COLLINEA_TRY(evaluation.predicted_sigma_m, predicted_sigma_m(options));
   ComparisonOptions comparison{.tolerance_m = options.tolerance_m.value_or(evaluation.predicted_sigma_m.value_or(0))};

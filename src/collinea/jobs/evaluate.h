@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "collinea/assess/height_comparison.h"
 #include "collinea/base/options.h"
@@ -17,6 +18,7 @@ struct EvaluateOptions {
   std::optional<double> tolerance_m;
   std::optional<double> scale_number, height_over_base, sigma_image_um;
   double sigma_reference_m = 0;
+  std::optional<std::string> area;
   std::optional<std::filesystem::path> classes, out;
 
   template <class Visit>
@@ -36,6 +38,8 @@ struct EvaluateOptions {
                 1e-3, 1e4});
     visit(Field{"sigma_reference_m", &O::sigma_reference_m, "m",
                 "of the reference's heights, added to the predicted sigma as squares", 0, 1e4});
+    visit(Field{"area", &O::area, "m",
+                "west,south,east,north on the map: only what of the reference lies in it takes part; nothing: all"});
     visit(
         Field{"classes", &O::classes, "",
               "GeoTIFF of whole numbers on the map: statistics of each; nothing: NAME_state.tif beside the surface, if "

@@ -82,8 +82,10 @@ Result<std::optional<PairMap>> map_of(const PairFiles& pair, const PairModel& mo
   if (!report.absolute && !report.has_base) return std::optional<PairMap>();
   const Similarity3 frame = map_from_model(report.absolute);
   const MappedPair mapped{pair.files, pair.cameras, {moved(Rigid3{}, frame), moved(model.right_from_left(), frame)}};
-  const MappedCloud points{folder / "cloud.ply", report.absolute ? Similarity3{} : frame, cloud.points,
-                           cloud.distance_m, cloud.pixel_m};
+  const MappedCloud points{folder / "cloud.ply", report.absolute ? Similarity3{} : frame,
+                           cloud.points,         cloud.distance_m,
+                           cloud.pixel_m,        &cloud.matching_sigmas,
+                           cloud.by_orientation};
   return map_pair(mapped, points, cell_m, folder, run);
 }
 
@@ -124,15 +126,19 @@ Result<PairReport> orient_and_match(const fs::path& left, const fs::path& right,
                model_of(found, report.orientations.back().orientation, options.base_m.value_or(1)));
   report.epipolar = model.epipolar;
   report.y_parallax_rms_px = rms_row_px(model.in_epipolar);
+  std::optional<PairControl> control;
   if (options.control) {
-    COLLINEA_TRY(orient_absolutely(*options.control, pair, model, options.control_sigma_px, report));
+    COLLINEA_TRY(control, read_pair_control(*options.control, pair, model.shrink, options.control_sigma_px));
+    report.control_names = control->names;
+    COLLINEA_TRY(report.absolute, oriented_absolutely(*control, model, model.right_from_left()));
   }
+  COLLINEA_TRY(const PairOrientationSigma by_orientation, PairOrientationSigma::of(model, control, report.absolute));
   COLLINEA_TRY(write_file(folder / "points.txt", text_of(point_table(model))));
   EpipolarImages epipolar = epipolar_images(std::move(found.images), model, options.resampling, run);
   if (run.stopped()) return fail(Errc::kCancelled, "stopped");
   COLLINEA_TRY(write_epipolar(epipolar, folder, run));
   COLLINEA_TRY(const PairCloudSummary cloud,
-               write_surface(std::move(epipolar), pair, model, options, folder, report, run));
+               write_surface(std::move(epipolar), pair, model, by_orientation, options, folder, report, run));
   give_back_freed_memory();
   report.surface_points = cloud.points;
   report.median_sigma_px = cloud.median_sigma_px;

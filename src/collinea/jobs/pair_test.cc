@@ -384,6 +384,17 @@ TEST(GridPoints, AndEvaluateFindTheSameHill) {
   EXPECT_NEAR(evaluation->comparison.all.median_m(), -0.25, 0.02);  // the others lie higher
   EXPECT_TRUE(is_there(folder / "differences/differences.png"));
   EXPECT_TRUE(is_there(folder / "differences/evaluation.txt"));
+  // Points come at x from 5e5 to 5e5 + 100: the western half of the area holds about half of them.
+  options.area = "500000,4999000,500050,5001000";
+  const auto part = evaluate_surface(folder / "hill.tif", folder / "others.txt", options, {});
+  ASSERT_TRUE(part) << part.error().message;
+  EXPECT_GT(part->comparison.all.count(), 0.4 * evaluation->comparison.all.count());
+  EXPECT_LT(part->comparison.all.count(), 0.6 * evaluation->comparison.all.count());
+  for (const char* wrong : {"1,2,3", "2,1,1,2", "a,b,c,d"}) {
+    options.area = wrong;
+    EXPECT_EQ(evaluate_surface(folder / "hill.tif", folder / "others.txt", options, {}).error().options.front().name,
+              "area");
+  }
 }
 
 TEST(GridPoints, AndEvaluateRefuseOptionsThatWouldNotBeRead) {

@@ -52,9 +52,10 @@ std::string map_text(const PairMap& map) {
   return fmt::format(
       "surface model and orthophoto: {} x {} cells of {:.4g} m, {:.0f} % measured, {:.0f} % interpolated, {:.0f} % "
       "painted; "
-      "sigma of measured heights by matching {:.3f} m\n",
+      "sigma of measured heights {:.3f} m, by matching alone {:.3f} m\n",
       map.width, map.height, map.cell_m, 100 * double(map.measured_cells) / cells,
-      100 * double(map.interpolated_cells) / cells, 100 * double(map.painted_cells) / cells, map.mean_sigma_m);
+      100 * double(map.interpolated_cells) / cells, 100 * double(map.painted_cells) / cells, map.mean_sigma_m,
+      map.mean_sigma_relative_m);
 }
 
 std::string orientation_text(const PairOrientation& of, int shrink) {

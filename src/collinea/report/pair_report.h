@@ -42,7 +42,8 @@ struct PairMap {
   double cell_m = 0;
   int width = 0, height = 0;
   std::uint64_t measured_cells = 0, interpolated_cells = 0, painted_cells = 0;
-  double mean_sigma_m = 0;  ///< of measured heights, by matching
+  double mean_sigma_m = 0;           ///< of measured heights
+  double mean_sigma_relative_m = 0;  ///< of them by matching alone
 };
 
 /// What was done with a pair, stage by stage.

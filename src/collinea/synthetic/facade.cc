@@ -3,8 +3,8 @@
 #include <numbers>
 
 #include "collinea/math/random.h"
+#include "collinea/synthetic/internal/facade_scene.h"
 #include "collinea/synthetic/internal/field_work.h"
-#include "collinea/synthetic/internal/village.h"
 #include "collinea/synthetic/survey.h"
 
 namespace collinea {

@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "collinea/math/random.h"
+#include "collinea/synthetic/internal/facade_scene.h"
 #include "collinea/synthetic/internal/noise.h"
-#include "collinea/synthetic/internal/village.h"
 
 namespace collinea {
 namespace {

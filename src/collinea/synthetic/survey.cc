@@ -7,6 +7,8 @@
 
 #include "collinea/math/random.h"
 #include "collinea/synthetic/internal/field_work.h"
+#include "collinea/synthetic/internal/rocks.h"
+#include "collinea/synthetic/internal/town.h"
 #include "collinea/synthetic/internal/village.h"
 
 namespace collinea {
@@ -143,17 +145,54 @@ std::vector<Mark> open_positions(const Scene& scene, const Area& area, double ha
   return marks;
 }
 
-VillageOptions village_of(const SurveyOptions& o, const Plan& plan, const Area& shown, const Area& built) {
-  VillageOptions village;
-  village.low = shown.low;
-  village.high = shown.high;
-  village.built_low = built.low;
-  village.built_high = built.high;
-  village.cell_m = std::max(0.25, 5 * plan.gsd_m);
-  village.relief_m = o.relief_m;
-  village.building_area_m2 = o.building_area_m2;
-  village.seed = std::uint64_t(o.seed);
-  return village;
+// What differs between the kinds of country, unless it is given.
+struct CountryDefaults {
+  double relief_m, building_area_m2;
+  double cell_m, cell_gsds;  // of the terrain, the larger of the two
+};
+
+CountryDefaults defaults_of(Country country) {
+  switch (country) {
+    case Country::kTown:
+      return {12, 600, 0.5, 2};
+    case Country::kRocks:
+      return {250, 60000, 0.5, 2};
+    default:
+      return {8, 1400, 0.25, 5};
+  }
+}
+
+CountryOptions country_of(const SurveyOptions& o, const Plan& plan, const Area& shown, const Area& mapped) {
+  const CountryDefaults defaults = defaults_of(o.country);
+  const Area built = o.country == Country::kVillage ? mapped.grown(10, 10) : shown;
+  CountryOptions country;
+  country.low = shown.low;
+  country.high = shown.high;
+  country.built_low = built.low;
+  country.built_high = built.high;
+  country.cell_m = std::max(defaults.cell_m, defaults.cell_gsds * plan.gsd_m);
+  country.relief_m = o.relief_m.value_or(defaults.relief_m);
+  country.building_area_m2 = o.building_area_m2.value_or(defaults.building_area_m2);
+  country.seed = std::uint64_t(o.seed);
+  return country;
+}
+
+Scene scene_of(Country country, const CountryOptions& options) {
+  switch (country) {
+    case Country::kTown:
+      return make_town(options);
+    case Country::kRocks:
+      return make_rocks(options);
+    default:
+      return make_village(options);
+  }
+}
+
+// The land that products are made of. In one strip all that two images show.
+Area mapped_area(const Plan& plan, const Area& flown) {
+  if (plan.strips > 1 || plan.cross_strips > 0) return flown.grown(0.3 * plan.across_m, 0.3 * plan.along_m);
+  constexpr double kWithin = 0.47;  // of the size of an image, from its middle: tilts move its sides
+  return flown.grown(kWithin * plan.across_m, std::max(kWithin * plan.along_m - plan.base_m, 0.05 * plan.along_m));
 }
 
 Result<> mark_control(Truth& truth, const SurveyOptions& o, const Area& mapped, const Run& run) {
@@ -190,10 +229,12 @@ Result<Truth> make_survey(const SurveyOptions& o, const Camera& camera, double m
     poses.push_back(looking_down(stations[i], o, Random(seed, 100 + i)));
     flown.include({stations[i].x, stations[i].y});
   }
-  COLLINEA_TRY(const Area shown, ground_in_view(plan.camera, poses, -1.2 * o.relief_m, 1.2 * margin_px * plan.gsd_m));
-  const Area mapped = flown.grown(0.3 * plan.across_m, 0.3 * plan.along_m);
+  COLLINEA_TRY(const Area shown,
+               ground_in_view(plan.camera, poses, -1.2 * o.relief_m.value_or(defaults_of(o.country).relief_m),
+                              1.2 * margin_px * plan.gsd_m));
+  const Area mapped = mapped_area(plan, flown);
 
-  Truth truth{.scene = make_village(village_of(o, plan, shown, mapped.grown(10, 10))),
+  Truth truth{.scene = scene_of(o.country, country_of(o, plan, shown, mapped)),
               .frame = frame,
               .block = {},
               .marks_in_world = {},

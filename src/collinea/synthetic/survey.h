@@ -5,6 +5,7 @@
 #include <string>
 
 #include "collinea/base/options.h"
+#include "collinea/synthetic/internal/country.h"
 #include "collinea/synthetic/internal/survey_parts.h"
 #include "collinea/synthetic/internal/truth.h"
 
@@ -25,7 +26,8 @@ struct SurveyOptions {
   SurveyReceiver receiver;
   int control_points = 6, check_points = 12;
   double control_sigma_plan_m = 0.01, control_sigma_height_m = 0.015, measurement_sigma_px = 0.25;
-  double relief_m = 8, building_area_m2 = 1400;
+  Country country = Country::kVillage;
+  std::optional<double> relief_m = {}, building_area_m2 = {};
   SurveySite site;
   int seed = 1;
 
@@ -59,8 +61,13 @@ struct SurveyOptions {
     visit(Field{"control_sigma_height_m", &O::control_sigma_height_m, "m", "error of surveyed heights", 0, 10});
     visit(Field{"measurement_sigma_px", &O::measurement_sigma_px, "px", "error of measured image coordinates of marks",
                 0, 10});
-    visit(Field{"relief_m", &O::relief_m, "m", "range of terrain heights", 0, 500});
-    visit(Field{"building_area_m2", &O::building_area_m2, "m2", "land for one building; 0: no buildings", 0, 1e9});
+    visit(Field{"country", &O::country, "", "what is flown over"});
+    visit(Field{"relief_m", &O::relief_m, "m",
+                "range of terrain heights; nothing: 8 of the village, 12 of the town, 250 of the rocks", 0, 500});
+    visit(Field{"building_area_m2", &O::building_area_m2, "m2",
+                "land for one building; 0: no buildings; nothing: 1400 in the village, 600 in the town, 60000 in the "
+                "rocks",
+                0, 1e9});
     visit(Part{&O::site});
     visit(Field{"seed", &O::seed, "1", "all that is random follows from it", 0});
   }

@@ -31,9 +31,7 @@ double middle_half(std::vector<double> values) {
   return values[values.size() * 3 / 4] - values[values.size() / 4];
 }
 
-double median_or(std::vector<double> values, double otherwise) {
-  return values.empty() ? otherwise : median(values);
-}
+double median_or(std::vector<double> values, double otherwise) { return values.empty() ? otherwise : median(values); }
 
 }  // namespace
 
@@ -42,27 +40,32 @@ Similarity3 map_from_model(const std::optional<AbsoluteOrientation>& absolute) {
 }
 
 PairCloud::PairCloud(const PairModel& model, const std::optional<AbsoluteOrientation>& absolute,
-                     Raster<std::uint8_t> image, ResamplingLattice lattice, PlyWriter writer)
+                     const PairOrientationSigma& by_orientation, Raster<std::uint8_t> image, ResamplingLattice lattice,
+                     PlyWriter writer, RecordSpool matching_sigmas)
     : model_(model),
+      by_orientation_(by_orientation),
       map_from_model_(map_from_model(absolute)),
       left_from_map_(moved(Rigid3{}, map_from_model_)),
       image_(std::move(image)),
       lattice_(std::move(lattice)),
-      writer_(std::move(writer)) {
+      writer_(std::move(writer)),
+      matching_sigmas_(std::move(matching_sigmas)) {
   if (absolute) ground_from_model_ = absolute->ground_from_model;
 }
 
 Result<PairCloud> PairCloud::create(const fs::path& folder, const PairFiles& pair, const PairModel& model,
-                                    const std::optional<AbsoluteOrientation>& absolute, const Run& run) {
+                                    const std::optional<AbsoluteOrientation>& absolute,
+                                    const PairOrientationSigma& by_orientation, const Run& run) {
   COLLINEA_TRY(const int channels, channels_of(pair.files[0]));
   COLLINEA_TRY(Raster<std::uint8_t> image,
                channels == 1 ? read_grey(pair.files[0], model.shrink) : read_colour(pair.files[0], model.shrink));
   COLLINEA_TRY(PlyWriter writer,
                PlyWriter::create(folder / "cloud.ply",
                                  absolute ? std::string(kPairCloudComment) : std::string(kLeftCameraCloudComment)));
-  return PairCloud(model, absolute, std::move(image),
+  COLLINEA_TRY(RecordSpool matching_sigmas, RecordSpool::create(folder / "cloud.ply"));
+  return PairCloud(model, absolute, by_orientation, std::move(image),
                    ResamplingLattice(model.left_camera, model.epipolar.left_from_image, model.epipolar.left, run),
-                   std::move(writer));
+                   std::move(writer), std::move(matching_sigmas));
 }
 
 std::array<std::uint8_t, 3> PairCloud::colour_at(const LevelPoint& point) const {
@@ -79,7 +82,11 @@ std::array<std::uint8_t, 3> PairCloud::colour_at(const LevelPoint& point) const 
 
 PairCloud::Piece PairCloud::piece_of(std::span<const LevelPoint> points) const {
   Piece piece;
+  const Similarity3 to_file = ground_from_model_.value_or(Similarity3{});
+  const Eigen::Vector3d view =
+      to_file.rotation * model_.epipolar.left_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ();
   piece.points.reserve(points.size());
+  piece.matching_sigmas_m.reserve(points.size());
   piece.sigmas_px.reserve(points.size());
   piece.sigmas_z.reserve(points.size());
   for (const LevelPoint& point : points) {
@@ -89,13 +96,12 @@ PairCloud::Piece PairCloud::piece_of(std::span<const LevelPoint> points) const {
     CloudPoint made;
     made.position = point_of(model_.epipolar, point);
     if (!made.position.allFinite() || !(model_.epipolar.depth_at(point.disparity_px) > 0)) continue;
-    double scale = 1;
-    if (ground_from_model_) {
-      made.position = *ground_from_model_ * made.position;
-      scale = ground_from_model_->scale;
-    }
+    if (ground_from_model_) made.position = *ground_from_model_ * made.position;
     made.colour = colour_at(point);
-    made.sigma_m = float(scale * sigma);
+    const double matching = to_file.scale * sigma;
+    piece.matching_sigmas_m.push_back(float(matching));
+    made.sigma_m = float(std::sqrt(matching * matching +
+                                   view.dot(by_orientation_.covariance(point.left_px, point.disparity_px) * view)));
     made.images = 2;
     piece.points.push_back(made);
   }
@@ -113,6 +119,21 @@ void PairCloud::add(const Piece& piece) {
   }
   points_ += piece.points.size();
   writer_.write(piece.points);
+  matching_sigmas_.append(
+      {reinterpret_cast<const char*>(piece.matching_sigmas_m.data()), piece.matching_sigmas_m.size() * sizeof(float)});
+}
+
+// The map is the ground, or the frame of the left camera turned half about x.
+std::vector<PositionSigma> PairCloud::position_sigmas() const {
+  constexpr std::size_t kPositions = 400;
+  const std::vector<LevelPoint>& points = model_.in_epipolar;
+  std::vector<PositionSigma> sigmas;
+  for (std::size_t i = 0; i < points.size(); i += points.size() / kPositions + 1) {
+    const Eigen::Vector3d at = map_from_model_ * point_of(model_.epipolar, points[i]);
+    const double variance = by_orientation_.covariance(points[i].left_px, points[i].disparity_px)(2, 2);
+    if (at.allFinite()) sigmas.push_back({at.x(), at.y(), std::sqrt(variance)});
+  }
+  return sigmas;
 }
 
 Result<PairCloudSummary> PairCloud::finish() {
@@ -120,10 +141,11 @@ Result<PairCloudSummary> PairCloud::finish() {
   PairCloudSummary summary{.points = points_,
                            .median_sigma_px = median_or(sigmas_px_.values(), 0),
                            .median_sigma_z = median_or(sigmas_z_.values(), 0),
-                           .pixel_m = median_or(sizes_m_.values(), 1)};
+                           .pixel_m = median_or(sizes_m_.values(), 1),
+                           .matching_sigmas = std::move(matching_sigmas_),
+                           .by_orientation = position_sigmas()};
   if (points_ > 0)
-    summary.distance_m =
-        std::sqrt(middle_half(x_m_.values()) * middle_half(y_m_.values()) / (0.25 * double(points_)));
+    summary.distance_m = std::sqrt(middle_half(x_m_.values()) * middle_half(y_m_.values()) / (0.25 * double(points_)));
   return summary;
 }
 

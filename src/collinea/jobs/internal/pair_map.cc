@@ -5,13 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <memory>
 
+#include "collinea/cloud/ply_reader.h"
 #include "collinea/ortho/orthophoto.h"
 #include "collinea/radiometry/view.h"
 #include "collinea/raster/hillshade.h"
 #include "collinea/raster/image_file.h"
-#include "collinea/cloud/ply_reader.h"
 #include "collinea/surface/dsm.h"
 
 namespace collinea {
@@ -40,11 +41,16 @@ Block block_of(const MappedPair& pair) {
 Result<PointSource> points_of(const MappedCloud& cloud) {
   COLLINEA_TRY(PlyReader opened, PlyReader::open(cloud.file));
   const auto reader = std::make_shared<PlyReader>(std::move(opened));
-  return PointSource([reader, map_from_file = cloud.map_from_file](std::vector<SurfacePoint>& batch) -> Result<> {
+  return PointSource([reader, at = std::uint64_t{0}, sigmas = cloud.matching_sigmas,
+                      map_from_file = cloud.map_from_file](std::vector<SurfacePoint>& batch) mutable -> Result<> {
     batch.clear();
     COLLINEA_TRY(const std::vector<CloudPoint> points, reader->read(kBatch));
-    for (const CloudPoint& point : points)
-      batch.push_back({map_from_file * point.position, point.sigma_m, point.images});
+    std::vector<float> of_matching(points.size());
+    COLLINEA_TRY(const std::string bytes, sigmas->read(at, points.size() * sizeof(float)));
+    std::memcpy(of_matching.data(), bytes.data(), bytes.size());
+    at += bytes.size();
+    for (std::size_t i = 0; i < points.size(); ++i)
+      batch.push_back({map_from_file * points[i].position, of_matching[i], points[i].images});
     return {};
   });
 }
@@ -76,13 +82,15 @@ Result<std::optional<PairMap>> map_pair(const MappedPair& pair, const MappedClou
                        folder / "dsm_sigma_relative.tif"};
   const Scratch scratch{folder / "scratch"};
   COLLINEA_TRY(PointSource points, points_of(cloud));
-  COLLINEA_TRY(const DsmSummary surface, build_dsm({.points = std::move(points), .gsd_m = gsd_m}, files, scratch.path,
-                                                   {.cell_m = map.cell_m}, run));
+  COLLINEA_TRY(const DsmSummary surface,
+               build_dsm({.points = std::move(points), .gsd_m = gsd_m, .position_sigmas = cloud.by_orientation}, files,
+                         scratch.path, {.cell_m = map.cell_m}, run));
   map.width = surface.grid.width;
   map.height = surface.grid.height;
   map.measured_cells = surface.measured_cells;
   map.interpolated_cells = surface.interpolated_cells;
   map.mean_sigma_m = surface.mean_sigma_m;
+  map.mean_sigma_relative_m = surface.mean_sigma_relative_m;
   COLLINEA_TRY(write_hillshade(files.height, folder / "dsm_hillshade.tif", run));
   COLLINEA_TRY(const HeightField heights, open_height_field(files.height, files.sigma));
   const auto pixels = [&](ImageId image, int shrink) { return read_colour(block.images.at(image).file, shrink); };

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kPartAround = 0.15;   // of the range of disparities, that semi-global matching looks at beyond it
+constexpr double kPartAround = 0.15;    // of the range of disparities, that semi-global matching looks at beyond it
 constexpr double kLargestWhole = 20e6;  // pixels that are matched at once
 constexpr std::size_t kBatch = 20'000;
 constexpr int kBandRows = 16;
@@ -103,17 +103,18 @@ EpipolarImages epipolar_images(PairImages images, const PairModel& model, Interp
   EpipolarImages made;
   made.left = resampled(images.left, model.left_camera, cameras.left_from_image, cameras.left, run, {}, resampling);
   images.left = {};
-  made.right = resampled(images.right, model.right_camera, cameras.right_from_image, cameras.right, run, {}, resampling);
+  made.right =
+      resampled(images.right, model.right_camera, cameras.right_from_image, cameras.right, run, {}, resampling);
   return made;
 }
 
 Result<PairCloudSummary> write_surface(EpipolarImages images, const PairFiles& pair, const PairModel& model,
-                                       const PairChainOptions& options, const fs::path& folder, PairReport& report,
-                                       const Run& run) {
+                                       const PairOrientationSigma& by_orientation, const PairChainOptions& options,
+                                       const fs::path& folder, PairReport& report, const Run& run) {
   const auto sigma = row_sigma(model.epipolar, model.orientation, median_disparity(model.in_epipolar));
   for (const LevelPoint& point : model.in_epipolar)
     report.row_sigma_px = std::max(report.row_sigma_px, sigma(point.left_px));
-  const auto cloud_file = [&] { return PairCloud::create(folder, pair, model, report.absolute, run); };
+  const auto cloud_file = [&] { return PairCloud::create(folder, pair, model, report.absolute, by_orientation, run); };
   if (options.surface == PairSurface::kLevels) {
     COLLINEA_TRY(LevelSurface surface,
                  match_by_levels(images.left, images.right, model.in_epipolar, sigma, options.levels, run));

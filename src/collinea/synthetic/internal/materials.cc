@@ -132,7 +132,24 @@ Colour paving(const Ground& ground, double x, double y, double footprint_m) {
   return darkened({0.26f, 0.245f, 0.22f}, 1 + 0.2f * grain + slabs(x, y, footprint_m));
 }
 
+// Bare rock of two colours with dark cracks, earth between, and scrub.
+Colour rocks(const Ground& ground, double x, double y, double footprint_m) {
+  const Fractal beds{26.0, 4, 0.7f, ground.seed + 83}, detail{3.4, 8, 1.0f, ground.seed + 89};
+  const Fractal cracks{4.5, 4, 0.8f, ground.seed + 97}, scrub{7.0, 5, 0.85f, ground.seed + 101};
+  const float bed = beds(x, y, footprint_m), grain = detail(x, y, footprint_m);
+  Colour colour = mix({0.31f, 0.29f, 0.25f}, {0.24f, 0.19f, 0.13f}, std::clamp(0.5f + 0.7f * bed, 0.0f, 1.0f));
+  const float crack = 1 - smooth_step(0.04f, 0.16f, std::abs(cracks(x, y, footprint_m)));
+  colour = darkened(colour, 1 + 0.26f * grain - 0.35f * crack);
+  const float bush = smooth_step(0.35f, 0.6f, scrub(x, y, footprint_m) - 0.25f * bed);
+  return mix(colour, darkened({0.09f, 0.11f, 0.05f}, 1 + 0.35f * grain), bush);
+}
+
 // ---- bodies
+
+Colour leaves(const Solid& s, double u, double v, double footprint_m) {
+  const Fractal clumps{1.4, 6, 0.95f, s.seed + 13};
+  return darkened(s.roof_colour, 1 + 0.45f * clumps(u, v, footprint_m));
+}
 
 Colour tiles(const Solid& s, double u, double v, double footprint_m) {
   const Fractal weather{5.0, 8, 0.9f, s.seed + 3};
@@ -193,15 +210,34 @@ Colour masonry(const Solid& s, Finish finish, int face, double u, double v, doub
 
 }  // namespace
 
+double Road::slope_at(double along_m) const {
+  const double rate = 2 * std::numbers::pi / wavelength_m;
+  return amplitude_m * rate * std::cos(rate * along_m);
+}
+
 Eigen::Vector2d Road::off_and_along(double x, double y) const {
   const double u = cosine * x + sine * y, v = cosine * y - sine * x, rate = 2 * std::numbers::pi / wavelength_m;
-  const double slope = amplitude_m * rate * std::cos(rate * u);
-  return {(v - offset_m - amplitude_m * std::sin(rate * u)) / std::sqrt(1 + slope * slope), u};
+  const double slope = slope_at(u);
+  double off = v - offset_m - amplitude_m * std::sin(rate * u);
+  if (repeat_m > 0) off -= repeat_m * floor_int(off / repeat_m + 0.5);
+  return {off / std::sqrt(1 + slope * slope), u};
+}
+
+Eigen::Vector2d Road::position(double off_m, double along_m, int number) const {
+  const double slope = slope_at(along_m);
+  const double v = offset_m + amplitude_m * std::sin(2 * std::numbers::pi / wavelength_m * along_m) +
+                   number * repeat_m + off_m * std::sqrt(1 + slope * slope);
+  return {cosine * along_m - sine * v, sine * along_m + cosine * v};
 }
 
 Colour ground_albedo(const Ground& ground, double x, double y, double footprint_m) {
   if (ground.kind == Ground::Kind::kPaving) return paving(ground, x, y, footprint_m);
-  Colour colour = fields(ground, x, y, footprint_m);
+  const bool is_rock = ground.kind == Ground::Kind::kRocks;
+  Colour colour = is_rock ? rocks(ground, x, y, footprint_m) : fields(ground, x, y, footprint_m);
+  if (ground.district_m > 0) {
+    const Fractal districts{ground.district_m, 5, 0.8f, ground.seed + 131};
+    colour = darkened(colour, 1 + 0.35f * districts(x, y, footprint_m));
+  }
   for (const Road& road : ground.roads) colour = with_road(road, colour, x, y, footprint_m, ground.seed);
   return colour;
 }
@@ -216,6 +252,8 @@ Colour solid_albedo(const Solid& solid, int face, const Eigen::Vector3d& point, 
       return gravel_roof(solid, at.x(), at.y(), footprint_m);
     case Finish::kHouseWall:
       return house_wall(solid, face, at.x(), at.y(), footprint_m);
+    case Finish::kLeaves:
+      return leaves(solid, at.x(), at.y(), footprint_m);
     case Finish::kWindow:
       return window_wall(solid, at.x(), at.y(), footprint_m);
     default:

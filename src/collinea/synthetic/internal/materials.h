@@ -11,20 +11,27 @@
 namespace collinea {
 
 /// A road painted on the terrain: a band of constant width about the sine curve
-/// v = offset + amplitude sin(2 pi u / wavelength) in axes turned by the direction (cosine, sine).
+/// v = offset + amplitude sin(2 pi u / wavelength) in axes turned by the direction (cosine, sine); and again every
+/// repeat_m of v, when that is positive.
 struct Road {
   double cosine = 1, sine = 0;
   double offset_m = 0, amplitude_m = 0, wavelength_m = 100, half_width_m = 3;
+  double repeat_m = 0;
 
-  /// Distance from the middle line (to first order in its curvature) and the distance along it [m].
+  /// Distance from the (nearest) middle line (to first order in its curvature) and the distance along it [m].
   [[nodiscard]] Eigen::Vector2d off_and_along(double x, double y) const;
+  /// The slope dv/du of the middle line there.
+  [[nodiscard]] double slope_at(double along_m) const;
+  /// The position `off_m` beside the middle line of the road that is the `number`-th of those repeated.
+  [[nodiscard]] Eigen::Vector2d position(double off_m, double along_m, int number) const;
 };
 
 /// How the terrain is painted.
 struct Ground {
-  enum class Kind : std::uint8_t { kFields, kPaving };
+  enum class Kind : std::uint8_t { kFields, kPaving, kRocks };
   Kind kind = Kind::kFields;
-  double field_m = 38;  ///< mean size of a field
+  double field_m = 38;    ///< mean size of a field
+  double district_m = 0;  ///< size of the largest parts of brighter and darker land; 0: none
   std::vector<Road> roads;
   std::uint32_t seed = 0;
 };

@@ -11,7 +11,8 @@
 namespace collinea {
 namespace {
 
-constexpr int kCellsPerSquare = 16;
+constexpr int kMostCells = 16;   // along a side of a square of the index
+constexpr double kSquare_m = 8;  // side that squares have with large cells: about that of a house
 constexpr double kOnSurface_m = 1e-3;
 
 // The part [start, end] of a line inside one pair of parallel planes.
@@ -37,9 +38,10 @@ Light sunlight(double azimuth_deg, double elevation_deg) {
 
 Scene::Scene(Heightfield terrain, Ground ground, std::vector<Solid> solids, Light light)
     : terrain_(std::move(terrain)), ground_(std::move(ground)), solids_(std::move(solids)), light_(light) {
-  square_m_ = kCellsPerSquare * terrain_.cell_m();
-  columns_ = (terrain_.cells_x() + kCellsPerSquare - 1) / kCellsPerSquare;
-  rows_ = (terrain_.cells_y() + kCellsPerSquare - 1) / kCellsPerSquare;
+  cells_per_square_ = std::clamp(int(kSquare_m / terrain_.cell_m()), 1, kMostCells);
+  square_m_ = cells_per_square_ * terrain_.cell_m();
+  columns_ = (terrain_.cells_x() + cells_per_square_ - 1) / cells_per_square_;
+  rows_ = (terrain_.cells_y() + cells_per_square_ - 1) / cells_per_square_;
   find_squares();
 }
 
@@ -65,7 +67,7 @@ void Scene::find_squares() {
       const double x = terrain_.west_m() + (double(square % std::size_t(columns_)) + 0.5) * square_m_ - solid.x;
       const double y = terrain_.south_m() + (double(square / std::size_t(columns_)) + 0.5) * square_m_ - solid.y;
       const double u = solid.cosine * x + solid.sine * y, v = solid.cosine * y - solid.sine * x;
-      const double half_width_m = solid.shape == Solid::Shape::kColumn ? solid.half_length_m : solid.half_width_m;
+      const double half_width_m = solid.is_round() ? solid.half_length_m : solid.half_width_m;
       if (std::abs(u) <= solid.half_length_m + half_diagonal_m && std::abs(v) <= half_width_m + half_diagonal_m)
         lists[square].push_back(entry);
     });
@@ -78,7 +80,7 @@ void Scene::find_squares() {
       square.highest_solid_m = -std::numeric_limits<float>::infinity();
       for (const Listed& entry : list) square.highest_solid_m = std::max(square.highest_solid_m, entry.top_m);
       square.highest_ground_m =
-          float(terrain_.highest(column * kCellsPerSquare, row * kCellsPerSquare, kCellsPerSquare));
+          float(terrain_.highest(column * cells_per_square_, row * cells_per_square_, cells_per_square_));
       square.highest_m = std::max(square.highest_ground_m, square.highest_solid_m);
       square.first_solid = int(listed_.size());
       square.solids = int(list.size());

@@ -96,7 +96,7 @@ class Scene {
   std::vector<Mark> marks_;
   Light light_;
   double square_m_ = 1, highest_m_ = 0, highest_solid_m_ = 0;
-  int columns_ = 1, rows_ = 1;
+  int cells_per_square_ = 1, columns_ = 1, rows_ = 1;
   std::vector<Square> squares_;
   std::vector<Listed> listed_;
   std::vector<std::vector<int>> mark_lists_;

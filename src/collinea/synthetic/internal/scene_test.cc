@@ -7,7 +7,10 @@
 #include <numbers>
 
 #include "collinea/math/random.h"
+#include "collinea/synthetic/internal/facade_scene.h"
 #include "collinea/synthetic/internal/noise.h"
+#include "collinea/synthetic/internal/rocks.h"
+#include "collinea/synthetic/internal/town.h"
 #include "collinea/synthetic/internal/village.h"
 
 namespace collinea {
@@ -21,6 +24,30 @@ const Scene& village() {
                                            .built_low = {-50, -50},
                                            .built_high = {50, 50},
                                            .seed = 5});
+  return scene;
+}
+
+const Scene& town() {
+  static const Scene scene = make_town({.low = {-90, -90},
+                                        .high = {90, 90},
+                                        .cell_m = 0.5,
+                                        .relief_m = 12,
+                                        .building_area_m2 = 600,
+                                        .built_low = {-80, -80},
+                                        .built_high = {80, 80},
+                                        .seed = 5});
+  return scene;
+}
+
+const Scene& rocks() {
+  static const Scene scene = make_rocks({.low = {-250, -250},
+                                         .high = {250, 250},
+                                         .cell_m = 0.5,
+                                         .relief_m = 250,
+                                         .building_area_m2 = 1500,
+                                         .built_low = {-240, -240},
+                                         .built_high = {240, 240},
+                                         .seed = 5});
   return scene;
 }
 
@@ -44,10 +71,15 @@ Solid house(Solid::Shape shape) {
   return s;
 }
 
-// Positive outside, by the half spaces or the circle that bound the body.
+// Positive outside, by the half spaces or the round surface that bound the body; near it the distance.
 double outside(const Solid& s, const Eigen::Vector3d& p) {
   const double u = s.cosine * (p.x() - s.x) + s.sine * (p.y() - s.y),
                v = s.cosine * (p.y() - s.y) - s.sine * (p.x() - s.x);
+  if (s.shape == Solid::Shape::kCrown) {
+    const double r = s.half_length_m, h = (s.ridge_m - s.bottom_m) / 2;
+    const Eigen::Vector3d q(u / r, v / r, (p.z() - s.bottom_m) / h - 1);
+    return (q.norm() - 1) * q.norm() / Eigen::Vector3d(q.x() / r, q.y() / r, q.z() / h).norm();
+  }
   double d = std::max(s.bottom_m - p.z(), p.z() - s.ridge_m);
   if (s.shape == Solid::Shape::kColumn) return std::max(d, std::hypot(u, v) - s.half_length_m);
   d = std::max({d, std::abs(u) - s.half_length_m, std::abs(v) - s.half_width_m});
@@ -57,7 +89,7 @@ double outside(const Solid& s, const Eigen::Vector3d& p) {
 
 TEST(Solid, RaysEndWhereTheyEnterAndNormalsFaceThem) {
   Random random(1);
-  for (const auto shape : {Solid::Shape::kBox, Solid::Shape::kGable, Solid::Shape::kColumn}) {
+  for (const auto shape : {Solid::Shape::kBox, Solid::Shape::kGable, Solid::Shape::kColumn, Solid::Shape::kCrown}) {
     const Solid s = house(shape);
     int met = 0;
     for (int trial = 0; trial < 1000; ++trial) {
@@ -80,7 +112,7 @@ TEST(Solid, RaysEndWhereTheyEnterAndNormalsFaceThem) {
 
 TEST(Solid, TheTopIsWhatAPlumbLineMeets) {
   Random random(2);
-  for (const auto shape : {Solid::Shape::kBox, Solid::Shape::kGable, Solid::Shape::kColumn}) {
+  for (const auto shape : {Solid::Shape::kBox, Solid::Shape::kGable, Solid::Shape::kColumn, Solid::Shape::kCrown}) {
     const Solid s = house(shape);
     for (int trial = 0; trial < 300; ++trial) {
       const double x = random.uniform(-4, 10), y = random.uniform(-9, 5);
@@ -126,20 +158,81 @@ void expect_nothing_lost(const Scene& scene, const Eigen::Vector3d& low, const E
 }
 
 TEST(Scene, TheGridLosesNoHouse) { expect_nothing_lost(village(), {-60, -60, -8}, {60, 60, 40}); }
+TEST(Scene, TheGridLosesNoTree) { expect_nothing_lost(town(), {-90, -90, -12}, {90, 90, 40}); }
+TEST(Scene, TheGridLosesNoHouseOnRocks) { expect_nothing_lost(rocks(), {-250, -250, -150}, {250, 250, 250}); }
 TEST(Scene, TheGridLosesNoPieceOfAFacade) { expect_nothing_lost(facade(), {-12, -14, 0}, {12, 0.6, 12}); }
 
-// A surface model made by plumb lines and one made by formula are the same, to rounding of 100 m.
-TEST(Scene, SurfaceHeightIsWhatAPlumbLineMeets) {
+// A surface model made by plumb lines and one made by formula are the same, to rounding of some 100 m.
+void expect_heights_of_plumb_lines(const Scene& scene, double reach_m, int least_on_bodies) {
   Random random(7);
-  int roofs = 0;
+  int on_bodies = 0;
   for (int trial = 0; trial < 3000; ++trial) {
-    const double x = random.uniform(-55, 55), y = random.uniform(-55, 55);
-    const auto hit = village().cast({x, y, 100}, {0, 0, -1});
+    const double x = random.uniform(-reach_m, reach_m), y = random.uniform(-reach_m, reach_m);
+    const auto hit = scene.cast({x, y, 300}, {0, 0, -1});
     ASSERT_TRUE(hit);
-    EXPECT_NEAR(hit->point.z(), village().surface_height(x, y), 1e-9);
-    roofs += hit->solid >= 0;
+    EXPECT_NEAR(hit->point.z(), scene.surface_height(x, y), 1e-9);
+    on_bodies += hit->solid >= 0;
   }
-  EXPECT_GT(roofs, 50);
+  EXPECT_GT(on_bodies, least_on_bodies);
+}
+
+TEST(Scene, SurfaceHeightIsWhatAPlumbLineMeets) {
+  expect_heights_of_plumb_lines(village(), 55, 50);
+  expect_heights_of_plumb_lines(town(), 80, 300);
+  expect_heights_of_plumb_lines(rocks(), 240, 5);
+}
+
+// A tenth of the rocks is steeper than 45 degrees, half of it steeper than 20; the range is about what was asked for.
+TEST(Rocks, AreSteepAndAsHighAsAsked) {
+  const Heightfield& terrain = rocks().terrain();
+  std::vector<double> slopes;
+  for (double y = -249; y < 249; y += 2.3)
+    for (double x = -249; x < 249; x += 2.3) {
+      const Eigen::Vector3d n = terrain.normal(x, y);
+      slopes.push_back(std::atan2(n.head<2>().norm(), n.z()) * 180 / std::numbers::pi);
+    }
+  std::sort(slopes.begin(), slopes.end());
+  EXPECT_GT(slopes[slopes.size() * 9 / 10], 45);
+  EXPECT_GT(slopes[slopes.size() / 2], 20);
+  EXPECT_LT(slopes[slopes.size() / 2], 45);
+  const double range_m = terrain.highest_m() - terrain.lowest_m();
+  EXPECT_GT(range_m, 125);
+  EXPECT_LT(range_m, 375);
+}
+
+// Differences over a distance d grow nearly as d: no wavelength is smooth. Between 1 and 64 m each doubling brings
+// between 2^0.6 and 2^1.1 as much.
+TEST(Rocks, AreRoughAtAllWavelengths) {
+  const Heightfield& terrain = rocks().terrain();
+  double before = 0;
+  for (double d = 1; d <= 64; d *= 2) {
+    // The second difference, which knows nothing of the slope of longer waves.
+    double squares = 0;
+    for (double y = -180; y < 180; y += 3.7)
+      for (double x = -180; x < 180; x += 3.7)
+        squares += std::pow(terrain.height(x - d, y) - 2 * terrain.height(x, y) + terrain.height(x + d, y), 2);
+    if (before > 0) {
+      const double exponent = 0.5 * std::log2(squares / before);
+      EXPECT_GT(exponent, 0.6) << d;
+      EXPECT_LT(exponent, 1.5) << d;
+    }
+    before = squares;
+  }
+}
+
+// Streets stay clear of houses, and houses of each other: no middle of one lies in another.
+TEST(Town, HousesStandBesideStreetsAndTreesBetween) {
+  int houses = 0, crowns = 0;
+  for (const Solid& s : town().solids()) {
+    crowns += s.shape == Solid::Shape::kCrown;
+    if (s.wall != Finish::kHouseWall) continue;
+    ++houses;
+    for (const Solid& other : town().solids())
+      if (&other != &s && other.wall == Finish::kHouseWall) EXPECT_FALSE(top_at(other, s.x, s.y));
+  }
+  // One on 600 m2 of 160 x 160 m is wanted, 43, and 98 trees of five parts; streets take a third of the land.
+  EXPECT_GT(houses, 20);
+  EXPECT_GT(crowns, 5 * 20);
 }
 
 TEST(Scene, APointIsSeenFromWhereItsRayComes) {
