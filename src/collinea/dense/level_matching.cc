@@ -177,9 +177,10 @@ Result<LevelSurface> match_by_levels(const GreyImage& left, const GreyImage& rig
     points = without_spikes(std::move(points));
     count.spikes = count.matched - points.size();
     if (!intervals.empty()) count.median_interval_px = median(intervals);
+    count.least = guide.size() / 2;
+    count.is_dropped = points.size() < count.least;
     surface.levels.push_back(count);
-    // Too few to take the place of the model they were found with.
-    if (points.size() >= guide.size() / 2) surface.points = std::move(points);
+    if (!count.is_dropped) surface.points = std::move(points);
     return {};
   };
   const std::vector<double> thresholds = thresholds_of(options);

@@ -54,6 +54,8 @@ struct LevelCount {
   double threshold = 0;  ///< 0: the grid
   std::size_t interest = 0, matched = 0, spikes = 0;
   double median_interval_px = 0;  ///< searched along the row
+  std::size_t least = 0;          ///< points without which it does not take the place of the model it was found with
+  bool is_dropped = false;        ///< it had fewer
 };
 
 struct LevelSurface {

@@ -12,7 +12,9 @@
 #include "collinea/dense/stereo.h"
 #include "collinea/epipolar/intersect.h"
 #include "collinea/io/text.h"
+#include "collinea/jobs/internal/ground_table.h"
 #include "collinea/jobs/internal/out_folder.h"
+#include "collinea/jobs/internal/pair_findings.h"
 #include "collinea/jobs/internal/pair_map.h"
 #include "collinea/jobs/internal/pair_steps.h"
 #include "collinea/math/median.h"
@@ -23,8 +25,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kPartAround = 0.15;  // of the range of disparities, that semi-global matching looks at beyond it
-constexpr int kLineEvery = 12;        // part of the rows between two lines of the check
+constexpr double kControlSigma_m = 0.02;  // where none is stated
+constexpr double kPartAround = 0.15;      // of the range of disparities, that semi-global matching looks at beyond it
+constexpr int kLineEvery = 12;            // part of the rows between two lines of the check
 constexpr int kCheckWidth_px = 2000;
 constexpr FileText kPointsRemark =
     "homologous points; coordinates of the image files; y-parallax left by the relative orientation";
@@ -106,57 +109,54 @@ Result<std::vector<LevelPoint>> surface_of(const EpipolarImages& images, const R
   return points_of(map);
 }
 
-// Control of the table, intersected in the model.
-Result<> orient_absolutely(const fs::path& file, const PairImages& images, const EpipolarPair& cameras,
-                           const RelativeOrientation& orientation, double sigma_px, PairReport& report) {
+// Control of the table, intersected in the model: where it is in the left image.
+Result<std::vector<Eigen::Vector2d>> orient_absolutely(const fs::path& file, const PairImages& images,
+                                                       const EpipolarPair& cameras,
+                                                       const RelativeOrientation& orientation, double sigma_px,
+                                                       PairReport& report) {
   const auto within = [&](Error error) { return std::move(error).within(file.string()); };
-  COLLINEA_TRY(const TextTable table, read_text_table(file));
-  COLLINEA_TRY(report.control_names, table.words("point").map_error(within));
+  COLLINEA_TRY(const GroundTable ground, read_ground_table(file, kControlSigma_m, false));
   std::array<std::vector<double>, 4> pixels;
   const char* const columns[] = {"x_left", "y_left", "x_right", "y_right"};
   for (std::size_t i = 0; i < 4; ++i) {
-    COLLINEA_TRY(pixels[i], table.numbers(columns[i], "px").map_error(within));
-  }
-  std::array<std::vector<double>, 3> ground, sigmas;
-  const char* const axes[] = {"X", "Y", "Z"};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::string axis = axes[i];
-    COLLINEA_TRY(ground[i], table.numbers_or(axis, "m", std::nan("")).map_error(within));
-    COLLINEA_TRY(sigmas[i], table.numbers_or("sigma_" + axis, "m", 0.02).map_error(within));
+    COLLINEA_TRY(pixels[i], ground.table.numbers(columns[i], "px").map_error(within));
   }
   Rigid3 right_from_left = orientation.second_from_first;
   right_from_left.translation *= cameras.base_m;
   std::vector<AbsoluteControl> pairs;
-  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+  std::vector<Eigen::Vector2d> left_px;
+  for (std::size_t i = 0; i < ground.points.size(); ++i) {
+    const GroundTablePoint& point = ground.points[i];
+    report.control_names.push_back(point.name);
     Eigen::Vector2d in_left(pixels[0][i], pixels[1][i]), in_right(pixels[2][i], pixels[3][i]);
     if (images.film) {
       const auto left = images.film->in_left(in_left), right = images.film->in_right(in_right);
       if (!left || !right)
-        return fail(Errc::kBadInput,
-                    fmt::format("{}: point {} lies beyond the film", file.string(), report.control_names[i]));
+        return fail(Errc::kBadInput, fmt::format("{}: point {} lies beyond the film", file.string(), point.name));
       in_left = *left;
       in_right = *right;
     }
+    left_px.emplace_back(in_left / images.shrink);
     const double sigma = sigma_px / images.shrink;
     const std::array<SightLine, 2> lines = {
-        SightLine{&images.left_camera, {}, in_left / images.shrink, sigma, {}},
+        SightLine{&images.left_camera, {}, left_px.back(), sigma, {}},
         SightLine{&images.right_camera, right_from_left, in_right / images.shrink, sigma, {}}};
     const auto met = intersect(lines);
     if (!met)
       return fail(Errc::kIllPosed, fmt::format("{}: the rays of point {} do not meet in front of the cameras",
-                                               file.string(), report.control_names[i]));
+                                               file.string(), point.name));
     AbsoluteControl pair{.in_model = met->point_in_world, .model_covariance = met->covariance};
-    pair.in_ground = {ground[0][i], ground[1][i], ground[2][i]};
-    pair.has_plan = pair.in_ground.head<2>().allFinite();
-    pair.has_height = std::isfinite(pair.in_ground.z());
+    pair.has_plan = point.has_plan();
+    pair.has_height = point.has_height();
     for (int k = 0; k < 3; ++k) {
-      pair.ground_covariance(k, k) = sigmas[std::size_t(k)][i] * sigmas[std::size_t(k)][i];
-      if (!std::isfinite(pair.in_ground[k])) pair.in_ground[k] = 0;
+      const bool is_known = std::isfinite(point.position[k]);
+      pair.in_ground[k] = is_known ? point.position[k] : 0;
+      pair.ground_covariance(k, k) = is_known ? point.sigma[k] * point.sigma[k] : 0;
     }
     pairs.push_back(pair);
   }
   COLLINEA_TRY(report.absolute, absolute_orientation(pairs).map_error(within));
-  return {};
+  return left_px;
 }
 
 TextTable point_table(const std::vector<MatchedPoint>& points, const RelativeOrientation& orientation, int shrink) {
@@ -291,9 +291,10 @@ Result<PairReport> orient_and_match(const fs::path& left, const fs::path& right,
   COLLINEA_TRY(const EpipolarImages epipolar,
                epipolar_images(images, orientation, options.base_m.value_or(1), points, run));
   report.epipolar = epipolar.cameras;
+  std::vector<Eigen::Vector2d> control_px;  // in the left image
   if (options.control) {
-    COLLINEA_TRY(
-        orient_absolutely(*options.control, images, epipolar.cameras, orientation, options.control_sigma_px, report));
+    COLLINEA_TRY(control_px, orient_absolutely(*options.control, images, epipolar.cameras, orientation,
+                                               options.control_sigma_px, report));
   }
   COLLINEA_TRY(const std::vector<LevelPoint> surface, surface_of(epipolar, orientation, options, report, run));
   describe_points(epipolar, surface, report);
@@ -306,6 +307,7 @@ Result<PairReport> orient_and_match(const fs::path& left, const fs::path& right,
   COLLINEA_TRY(write_cloud(folder, cloud, report.absolute.has_value()));
   COLLINEA_TRY(report.map,
                map_of(images, epipolar.cameras, orientation, report, std::move(cloud), options.cell_m, folder, run));
+  report.findings = pair_findings(images, points, report, control_px, options.wanted_sigma_z_m);
   COLLINEA_TRY(write_file(folder / "pair.txt", pair_text(report)));
   return report;
 }
