@@ -4,7 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "collinea/geometry/absolute_orientation.h"
+#include "collinea/geometry/absolute_control.h"
+#include "collinea/geometry/similarity3.h"
 
 namespace collinea {
 

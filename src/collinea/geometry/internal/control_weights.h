@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "collinea/geometry/absolute_orientation.h"
+#include "collinea/geometry/absolute_control.h"
 
 namespace collinea {
 
