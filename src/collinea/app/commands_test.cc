@@ -7,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "collinea/app/command_for_tests.h"
 #include "collinea/app/exit_code.h"
 #include "collinea/base/file.h"
 #include "collinea/base/source_tree.h"
@@ -18,24 +19,8 @@
 namespace collinea {
 namespace {
 
-struct Outcome {
-  int code = 0;
-  std::string out, err;
-};
-
-// What the program does with these arguments.
-Outcome collinea_with(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), "collinea");
-  std::vector<char*> argv;
-  for (std::string& argument : arguments) argv.push_back(argument.data());
-  ::testing::internal::CaptureStdout();
-  ::testing::internal::CaptureStderr();
-  Outcome outcome;
-  outcome.code = dispatch(static_cast<int>(argv.size()), argv.data(), all_commands());
-  outcome.out = ::testing::internal::GetCapturedStdout();
-  outcome.err = ::testing::internal::GetCapturedStderr();
-  return outcome;
-}
+using testing::collinea_with;
+using testing::Outcome;
 
 // A folder with three small images of a made-up village in images/.
 void simulate_into(const std::string& folder) {

@@ -140,6 +140,25 @@ constexpr CodeRow kCodes[] = {
     {C::kAdditionalDropped, "additional_dropped", kNote, F::kOffsetPx},
     {C::kImagesNotExported, "images_not_exported", kNote, F::kCount},
     {C::kDistortionFitted, "distortion_fitted", kNote, F::kOffsetPx},
+    {C::kPairFewPoints, "pair_few_points", kWeak, F::kCount, F::kLimit},
+    {C::kPairZonesEmpty, "pair_zones_empty", kWeak, F::kCount, F::kOf},
+    {C::kPairParallax, "pair_parallax", kWrong, F::kOffsetPx, F::kSigmaPx},
+    {C::kPairGeometry, "pair_geometry", kWeak, F::kRatio},
+    {C::kPairBase, "pair_base", kWeak, F::kRatio, F::kSigma, F::kWanted},
+    {C::kPairControlApart, "pair_control_apart", kWeak, F::kCount, F::kOf},
+    {C::kPairLevelDropped, "pair_level_dropped", kWeak, F::kCount, F::kMatches, F::kLimit},
+    {C::kPairCellsMeasured, "pair_cells_measured", kWeak, F::kShare},
+    {C::kControlContradicts, "control_contradicts", kWrong, F::kOffset, F::kTest, F::kLimit},
+    {C::kResidualsLarge, "residuals_large", kWrong, F::kRatio, F::kChance},
+    {C::kResidualsSmall, "residuals_small", kNote, F::kRatio, F::kChance},
+    {C::kModelNoPoint, "model_no_point", kWrong},
+    {C::kModelTurns, "model_turns", kWrong, F::kCount},
+    {C::kModelNotFixed, "model_not_fixed", kWrong, F::kCount},
+    {C::kModelNoControl, "model_no_control", kWrong},
+    {C::kModelFewPoints, "model_few_points", kWeak, F::kCount, F::kLimit},
+    {C::kModelPointsOnLine, "model_points_on_line", kWeak, F::kCount, F::kRatio},
+    {C::kModelUnchecked, "model_unchecked", kWeak, F::kValue},
+    {C::kPairMakesNoModel, "pair_makes_no_model", kWrong},
 };
 
 struct FigureRow {
@@ -193,6 +212,8 @@ constexpr FigureRow kFigures[] = {
     {F::kValueSigma, "value_sigma", "1"},
     {F::kChance, "chance", "1"},
     {F::kFocalGiven, "focal_given_px", "px"},
+    {F::kTest, "test", "1"},
+    {F::kWanted, "wanted_m", "m"},
 };
 
 struct KindRow {
@@ -215,6 +236,7 @@ constexpr KindRow kKinds[] = {
     {SubjectKind::kFile, "file"},
     {SubjectKind::kCrs, "crs"},
     {SubjectKind::kProduct, "product"},
+    {SubjectKind::kModel, "model"},
 };
 
 struct AspectRow {
@@ -311,6 +333,11 @@ constexpr RemedyRow kRemedies[] = {
     {R::kCorrectMarks, "correct_marks"},
     {R::kLookForNames, "look_for_names"},
     {R::kLookForDatum, "look_for_datum"},
+    {R::kSpreadPairPoints, "spread_pair_points"},
+    {R::kGiveControlInCorners, "give_control_in_corners"},
+    {R::kLengthenBase, "lengthen_base"},
+    {R::kShareModelPoints, "share_model_points"},
+    {R::kStateSigmas, "state_sigmas"},
 };
 
 static_assert(is_in_order(kCodes, kFindingCodes, &CodeRow::code));
@@ -339,6 +366,18 @@ Subject Subject::file(std::string name) {
 
 Subject Subject::crs(std::string name) {
   Subject subject(SubjectKind::kCrs, kAll);
+  subject.name = std::move(name);
+  return subject;
+}
+
+Subject Subject::model(std::string name) {
+  Subject subject(SubjectKind::kModel, kAll);
+  subject.name = std::move(name);
+  return subject;
+}
+
+Subject Subject::control_named(std::string name) {
+  Subject subject(SubjectKind::kControlPoint, kAll);
   subject.name = std::move(name);
   return subject;
 }

@@ -141,8 +141,29 @@ enum class FindingCode : std::uint8_t {
   kAdditionalDropped,
   kImagesNotExported,
   kDistortionFitted,  ///< image coordinates were corrected for what a format's camera cannot hold
+  // A pair of images
+  kPairFewPoints,      ///< for its relative orientation
+  kPairZonesEmpty,     ///< parts of the overlap without points
+  kPairParallax,       ///< y-parallaxes beyond what matching leaves
+  kPairGeometry,       ///< near to one that leaves the orientation open; the detail is the word of a PairWeakness
+  kPairBase,           ///< too short for the heights that are wanted
+  kPairControlApart,   ///< parts of the overlap without control
+  kPairLevelDropped,   ///< a level of the surface had too few points to take the place of the one before
+  kPairCellsMeasured,  ///< few of the cells of the surface model
+  // Control and models
+  kControlContradicts,  ///< a coordinate of control against the others; it takes part all the same
+  kResidualsLarge,      ///< than the stated standard deviations allow
+  kResidualsSmall,      ///< ... let expect
+  kModelNoPoint,        ///< a model that is left out: it shares no point
+  kModelTurns,          ///< ... it shares one or two points, about which it can turn
+  kModelNotFixed,       ///< ... it shares points on a line, or in plan or height alone
+  kModelNoControl,      ///< ... it hangs together with others but not with the block
+  kModelFewPoints,      ///< a model that is joined by few points
+  kModelPointsOnLine,   ///< a model that is joined by points near a line
+  kModelUnchecked,      ///< a model that nothing checks
+  kPairMakesNoModel,    ///< the detail is why
 };
-inline constexpr std::size_t kFindingCodes = static_cast<std::size_t>(FindingCode::kDistortionFitted) + 1;
+inline constexpr std::size_t kFindingCodes = static_cast<std::size_t>(FindingCode::kPairMakesNoModel) + 1;
 
 /// What a figure is. Its unit belongs to it; both are in the word: "offset_m".
 enum class FigureName : std::uint8_t {
@@ -191,8 +212,10 @@ enum class FigureName : std::uint8_t {
   kValueSigma,
   kChance,      ///< of something as large by accident [1]
   kFocalGiven,  ///< before any adjustment [px]
+  kTest,        ///< standardised residual w [1]
+  kWanted,      ///< a standard deviation that is wanted [m]
 };
-inline constexpr std::size_t kFigureNames = static_cast<std::size_t>(FigureName::kFocalGiven) + 1;
+inline constexpr std::size_t kFigureNames = static_cast<std::size_t>(FigureName::kWanted) + 1;
 
 /// A number of a finding.
 struct Figure {
@@ -225,9 +248,10 @@ enum class SubjectKind : std::uint8_t {
   kFile,     ///< by name, relative or as given
   kCrs,      ///< by name
   kProduct,  ///< id: of Product
+  kModel,    ///< an independent model, by name
 };
 
-inline constexpr std::size_t kSubjectKinds = static_cast<std::size_t>(SubjectKind::kProduct) + 1;
+inline constexpr std::size_t kSubjectKinds = static_cast<std::size_t>(SubjectKind::kModel) + 1;
 
 /// Products of steps.
 enum class Product : std::uint8_t { kSurfaceModel, kTerrainModel, kOrthophoto };
@@ -277,7 +301,7 @@ struct Subject {
   std::uint32_t id = kAll;
   Aspect aspect = Aspect::kWhole;
   std::uint8_t axis = 0;
-  std::string name;  ///< of files and coordinate reference systems
+  std::string name;  ///< of files, coordinate reference systems, and of models and points that are in no block
 
   Subject() = default;
   Subject(SubjectKind of, std::uint32_t number, Aspect what = Aspect::kWhole, int along = 0)
@@ -294,6 +318,8 @@ struct Subject {
   [[nodiscard]] static Subject geodetic(std::size_t index);  ///< in Block::geodetic
   [[nodiscard]] static Subject file(std::string name);
   [[nodiscard]] static Subject crs(std::string name);
+  [[nodiscard]] static Subject model(std::string name);
+  [[nodiscard]] static Subject control_named(std::string name);  ///< a point that is in no block
 
   /// The id, where the subject is of that kind.
   [[nodiscard]] std::optional<ImageId> image() const;
@@ -360,12 +386,17 @@ enum class RemedyCode : std::uint8_t {
   kAddDistance,       ///< a third one
   kMeasureInAnother,  ///< image
   kFolderOfEachFlight,
-  kSeeAdjustment,  ///< which tells more
-  kCorrectMarks,   ///< image coordinates, in the file that they come from
-  kLookForNames,   ///< of images in the file of positions
-  kLookForDatum,   ///< what heights count from
+  kSeeAdjustment,     ///< which tells more
+  kCorrectMarks,      ///< image coordinates, in the file that they come from
+  kLookForNames,      ///< of images in the file of positions
+  kLookForDatum,      ///< what heights count from
+  kSpreadPairPoints,  ///< over all parts of the overlap
+  kGiveControlInCorners,
+  kLengthenBase,
+  kShareModelPoints,  ///< more, off one line, with the neighbouring models
+  kStateSigmas,       ///< that the measurements have
 };
-inline constexpr std::size_t kRemedyCodes = static_cast<std::size_t>(RemedyCode::kLookForDatum) + 1;
+inline constexpr std::size_t kRemedyCodes = static_cast<std::size_t>(RemedyCode::kStateSigmas) + 1;
 
 /// One thing that helps. Several of a finding are alternatives, except for kDatumDefect: there each helps one subject.
 struct Remedy {

@@ -197,7 +197,8 @@ Result<LevelSurface> match_by_levels(const GreyImage& left, const GreyImage& rig
     if (run.stopped()) return fail(Errc::kCancelled, "stopped");
     count.spikes = count.matched - points.size();
     if (!intervals.empty()) count.median_interval_px = median(intervals);
-    count.is_dropped = points.size() < guide.size() / 2;
+    count.least = guide.size() / 2;
+    count.is_dropped = points.size() < count.least;
     surface.levels.push_back(count);
     if (!count.is_dropped) surface.points = std::move(points);
     return {};

@@ -54,7 +54,8 @@ struct LevelCount {
   double threshold = 0;  ///< 0: the grid
   std::size_t interest = 0, matched = 0, spikes = 0;
   double median_interval_px = 0;  ///< searched along the row
-  bool is_dropped = false;        ///< too few points to take the place of the model they were found with
+  std::size_t least = 0;          ///< points without which it does not take the place of the model it was found with
+  bool is_dropped = false;        ///< it had fewer
 };
 
 struct LevelSurface {
@@ -75,8 +76,8 @@ struct LevelSurface {
 ///     (at least half a pixel), until none goes. (Karfis' filter takes mean and standard deviation in a circle, which
 ///     never rejects anything among fewer than eleven points, nor a third of wrong ones.)
 /// Of more than two million points those of the largest corner measure are taken. Memory: the images and some 300 bytes
-/// a point. Same bits for any number of threads. Errors: images of different heights, fewer than three points of the guide that
-/// do not lie on a line, options, stopped.
+/// a point. Same bits for any number of threads. Errors: images of different heights, fewer than three points of the
+/// guide that do not lie on a line, options, stopped.
 [[nodiscard]] Result<LevelSurface> match_by_levels(
     const GreyImage& left, const GreyImage& right, std::span<const LevelPoint> guide,
     const std::function<double(const Eigen::Vector2d& left_px)>& row_sigma_px, const LevelOptions& options,

@@ -8,21 +8,10 @@
 #include <vector>
 
 #include "collinea/base/result.h"
+#include "collinea/geometry/absolute_control.h"
 #include "collinea/geometry/similarity3.h"
 
 namespace collinea {
-
-/// A control point measured in a model: known on the ground in plan, in height or in both. Each side with its
-/// covariance; one that is exact has zero, but not both.
-struct AbsoluteControl {
-  Eigen::Vector3d in_model = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d model_covariance = Eigen::Matrix3d::Zero();  ///< [units of the model, squared]
-  Eigen::Vector3d in_ground = Eigen::Vector3d::Zero();         ///< what is not known is not looked at
-  Eigen::Matrix3d ground_covariance = Eigen::Matrix3d::Identity();
-  bool has_plan = true, has_height = true;
-
-  [[nodiscard]] bool is_full() const { return has_plan && has_height; }
-};
 
 /// What a control point says against the others, component by component (X, Y, Z); zero where it is not known.
 struct ControlResidual {

@@ -15,6 +15,7 @@
 #include "collinea/geometry/plane_similarity.h"
 #include "collinea/geometry/rotation_angles.h"
 #include "collinea/io/text.h"
+#include "collinea/jobs/internal/ground_table.h"
 
 namespace collinea {
 namespace {
@@ -30,16 +31,6 @@ struct ModelTable {
   std::vector<Vector3d> points;
   std::vector<Matrix3d> covariances;
   std::optional<MatrixXd> full;  // of all
-  bool states_sigmas = false;
-};
-
-struct GroundPoints {
-  struct Point {
-    Vector3d position;
-    Vector3d sigma;
-    bool has_plan, has_height;
-  };
-  std::map<std::string, Point> points;
   bool states_sigmas = false;
 };
 
@@ -112,36 +103,21 @@ Result<MatrixXd> read_covariance(const std::filesystem::path& path, const ModelT
   return full;
 }
 
-Result<GroundPoints> read_ground(const std::filesystem::path& path, const OrientAbsoluteOptions& options) {
-  const auto in_file = [&](Error e) { return std::move(e).within(path.string()); };
-  COLLINEA_TRY(const TextTable table, read_text_table(path));
-  COLLINEA_TRY(const auto names, table.words("point").map_error(in_file));
-  const double missing = std::nan("");
-  COLLINEA_TRY(const auto positions, columns(table, {"X", "Y", "Z"}, missing, "m").map_error(in_file));
-  if (!table.has("X") || !table.has("Y")) {
-    COLLINEA_TRY(table.words(table.has("X") ? "Y" : "X").map_error(in_file));
-  }
-  GroundPoints ground;
-  ground.states_sigmas = table.has("sigma_X") || table.has("sigma_Z") || options.sigma_ground.has_value();
-  COLLINEA_TRY(
-      const auto sigmas,
-      columns(table, {"sigma_X", "sigma_Y", "sigma_Z"}, options.sigma_ground.value_or(0), "m").map_error(in_file));
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const bool has_plan = positions[i].head<2>().allFinite(), has_height = std::isfinite(positions[i].z());
-    if (!has_plan && !positions[i].head<2>().array().isNaN().all())
-      return fail(Errc::kBadFormat, fmt::format("{}: point {} has one of X and Y only", path.string(), names[i]));
-    if (!ground.points.emplace(names[i], GroundPoints::Point{positions[i], sigmas[i], has_plan, has_height}).second)
-      return fail(Errc::kBadFormat, fmt::format("{}: point {} is there twice", path.string(), names[i]));
-  }
+Result<GroundTable> read_ground(const std::filesystem::path& path, const OrientAbsoluteOptions& options) {
+  COLLINEA_TRY(GroundTable ground, read_ground_table(path, options.sigma_ground.value_or(0), false));
+  ground.states_sigmas |= options.sigma_ground.has_value();
+  for (const GroundTablePoint& point : ground.points)
+    if (!point.has_plan() && !point.position.head<2>().array().isNaN().all())
+      return fail(Errc::kBadFormat, fmt::format("{}: point {} has one of X and Y only", path.string(), point.name));
   return ground;
 }
 
 // What both tables have, and what becomes of it.
 struct Control {
   ModelTable model;
-  GroundPoints ground;
-  std::vector<std::size_t> common;  // indices of the model
-  std::vector<AbsoluteControl> pairs;   // of them
+  GroundTable ground;
+  std::vector<std::size_t> common;     // indices of the model
+  std::vector<AbsoluteControl> pairs;  // of them
   std::vector<bool> is_check, is_rejected;
   bool sigmas_are_stated = false;
 
@@ -167,13 +143,15 @@ Result<Control> read_control(const std::filesystem::path& model, const std::file
   for (const std::string_view name : fields_of(options.check, ','))
     if (!name.empty()) checks.insert(std::string(name));
   for (std::size_t i = 0; i < control.model.names.size(); ++i) {
-    const auto found = control.ground.points.find(control.model.names[i]);
-    if (found == control.ground.points.end()) continue;
-    AbsoluteControl pair{control.model.points[i], control.model.covariances[i], found->second.position,
-                     Matrix3d::Zero(),        found->second.has_plan,       found->second.has_height};
+    const GroundTablePoint* found = control.ground.find(control.model.names[i]);
+    if (!found) continue;
+    AbsoluteControl pair{control.model.points[i], control.model.covariances[i], found->position, Matrix3d::Zero(),
+                         found->has_plan(),       found->has_height()};
     if (control.model.full)
       pair.model_covariance = control.model.full->block<3, 3>(Eigen::Index(3 * i), Eigen::Index(3 * i));
-    const Vector3d sigma = control.sigmas_are_stated ? found->second.sigma : Vector3d::Constant(kAssumedGroundSigma_m);
+    Vector3d sigma = control.sigmas_are_stated ? found->sigma : Vector3d::Constant(kAssumedGroundSigma_m);
+    for (int axis = 0; axis < 3; ++axis)
+      if (!std::isfinite(found->position[axis])) sigma[axis] = 0;  // not looked at
     pair.ground_covariance = sigma.cwiseAbs2().asDiagonal();
     control.common.push_back(i);
     control.pairs.push_back(pair);

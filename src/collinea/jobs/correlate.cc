@@ -8,7 +8,7 @@
 #include "collinea/base/parallel.h"
 #include "collinea/feature/interest.h"
 #include "collinea/io/number_rows.h"
-#include "collinea/jobs/internal/marked_image.h"
+#include "collinea/jobs/internal/drawing.h"
 #include "collinea/jobs/internal/out_folder.h"
 #include "collinea/match/pair_points.h"
 #include "collinea/math/median.h"
@@ -114,14 +114,14 @@ Result<> check_sides(const CorrelateOptions& options) {
 
 Result<> write_images(const fs::path& folder, const GreyImage& left, const GreyImage& right,
                       const CorrelateReport& report) {
-  MarkedImage on_left(left), on_right(right);
+  ColourImage on_left = to_draw_on(left), on_right = to_draw_on(right);
   for (const CorrelatedPoint& point : report.points) {
-    on_left.cross(point.left_px, 5, point.match ? kMarkRed : kMarkBlue);
+    draw_cross(on_left, point.left_px, 5, point.match ? kMarkRed : kMarkBlue);
     if (point.match)
-      on_right.cross(point.is_refined() ? point.refined->position_px : point.match->position_px, 5, kMarkRed);
+      draw_cross(on_right, point.is_refined() ? point.refined->position_px : point.match->position_px, 5, kMarkRed);
   }
-  COLLINEA_TRY(write_png(folder / "left.png", std::move(on_left).image()));
-  return write_png(folder / "right.png", std::move(on_right).image());
+  COLLINEA_TRY(write_png(folder / "left.png", on_left));
+  return write_png(folder / "right.png", on_right);
 }
 
 Result<> write_surface(const fs::path& folder, const GreyImage& left, const GreyImage& right,

@@ -16,12 +16,34 @@ namespace {
 namespace fs = std::filesystem;
 using Bytes = Raster<std::uint8_t>;
 
-void apply(const GreyTable& table, Bytes& image, const Run& run) {
+void apply(const GreyTable& table, Bytes& image, const GreyImage* known, const Run& run) {
   constexpr std::size_t kAtOnce = 1 << 20;
+  const auto channels = static_cast<std::size_t>(image.channels);
   parallel_for(run, (image.data.size() + kAtOnce - 1) / kAtOnce, [&](std::size_t part) {
     const std::size_t end = std::min(image.data.size(), (part + 1) * kAtOnce);
-    for (std::size_t i = part * kAtOnce; i < end; ++i) image.data[i] = table[image.data[i]];
+    for (std::size_t i = part * kAtOnce; i < end; ++i)
+      if (!known || known->data[i / channels] != 0) image.data[i] = table[image.data[i]];
   });
+}
+
+// What is empty as zeros.
+void clear_empty(Bytes& image, const GreyImage* known) {
+  if (!known) return;
+  const auto channels = static_cast<std::size_t>(image.channels);
+  for (std::size_t i = 0; i < image.data.size(); ++i)
+    if (known->data[i / channels] == 0) image.data[i] = 0;
+}
+
+// Red, green, blue and alpha.
+Bytes with_alpha(const Bytes& image, const GreyImage& known) {
+  Bytes out(image.width, image.height, 4);
+  const auto channels = static_cast<std::size_t>(image.channels);
+  for (std::size_t i = 0; i < known.data.size(); ++i) {
+    out.data[4 * i + 3] = known.data[i];
+    for (std::size_t c = 0; c < 3 && known.data[i] != 0; ++c)
+      out.data[4 * i + c] = image.data[channels * i + (channels == 1 ? 0 : c)];
+  }
+  return out;
 }
 
 Bytes in_colours(const Bytes& image, Palette palette) {
@@ -35,15 +57,17 @@ Bytes in_colours(const Bytes& image, Palette palette) {
 // The image on its way through the steps.
 class Enhancement {
  public:
-  Enhancement(Bytes image, EnhanceReport& report, const Run& run)
-      : image_(std::move(image)), report_(report), run_(run) {
+  /// `mask`: nothing, where no pixel is empty.
+  Enhancement(Bytes image, std::optional<GreyImage> mask, EnhanceReport& report, const Run& run)
+      : image_(std::move(image)), known_(std::move(mask)), report_(report), run_(run) {
+    clear_empty(image_, known());
     note("image");
   }
 
   void filter(const EnhanceOptions& o) {
-    if (o.gaussian_px > 0) become("gaussian", gaussian_filtered(image_, o.gaussian_px, run_));
-    if (o.reduce > 1) become(std::string(word_of(o.reduction)), reduced(image_, o.reduce, o.reduction, run_));
-    if (o.contrast == Contrast::kWallis) become("wallis", wallis_filtered(image_, o.wallis, run_));
+    if (o.gaussian_px > 0) become("gaussian", gaussian_filtered(image_, o.gaussian_px, run_, known()));
+    if (o.reduce > 1) reduce(o);
+    if (o.contrast == Contrast::kWallis) become("wallis", wallis_filtered(image_, o.wallis, run_, known()));
   }
 
   // Error: a threshold is to be found where there is one grey value alone.
@@ -69,26 +93,38 @@ class Enhancement {
 
   void dither(const EnhanceOptions& o) {
     if (o.dither == Dither::kFloydSteinberg)
-      become("floyd-steinberg", dithered_by_diffusion(image_, o.levels));
+      become("floyd-steinberg", dithered_by_diffusion(image_, o.levels, known()));
     else if (o.dither == Dither::kOrdered)
       become("ordered", dithered_by_cells(image_, o.levels, o.cell_px));
   }
 
-  [[nodiscard]] const Bytes& image() const { return image_; }
+  /// As it is to be written: with an alpha channel where pixels are empty.
+  [[nodiscard]] Bytes shown(Palette palette) const {
+    const Bytes colours = palette == Palette::kGrey ? image_ : in_colours(image_, palette);
+    return known_ ? with_alpha(colours, *known_) : colours;
+  }
 
  private:
+  [[nodiscard]] const GreyImage* known() const { return known_ ? &*known_ : nullptr; }
   [[nodiscard]] const GreyHistogram& here() const { return report_.steps.back().histogram; }
   void note(std::string name) {
-    report_.steps.push_back({std::move(name), image_.width, image_.height, grey_histogram(image_)});
+    report_.steps.push_back({std::move(name), image_.width, image_.height, grey_histogram(image_, known())});
   }
   void become(std::string name, Bytes image) {
     image_ = std::move(image);
+    clear_empty(image_, known());
     note(std::move(name));
+  }
+  void reduce(const EnhanceOptions& o) {
+    if (!known_) return become(std::string(word_of(o.reduction)), reduced(image_, o.reduce, o.reduction, run_));
+    ReducedPart part = reduced(image_, *known_, o.reduce, o.reduction, run_);
+    known_ = std::move(part.known);
+    become(std::string(word_of(o.reduction)), std::move(part.image));
   }
   void use(std::string name, const GreyTable& table) {
     if (report_.table.empty()) report_.table = {identity_table()};
     report_.table.front() = chained(report_.table.front(), table);
-    apply(table, image_, run_);
+    apply(table, image_, known(), run_);
     note(std::move(name));
   }
   GreyTable table_of(const EnhanceOptions& o) {
@@ -108,6 +144,7 @@ class Enhancement {
   }
 
   Bytes image_;
+  std::optional<GreyImage> known_;
   EnhanceReport& report_;
   const Run& run_;
 };
@@ -153,15 +190,17 @@ Result<EnhanceReport> enhance_image(const fs::path& file, const fs::path& folder
   COLLINEA_TRY(check_together(options));
   COLLINEA_TRY(check_read(options));
   COLLINEA_TRY(Bytes image, options.colour ? read_colour(file) : read_grey(file));
+  COLLINEA_TRY(std::optional<GreyImage> known, read_known_pixels(file));
   EnhanceReport report{.image = file.filename().string(), .channels = image.channels};
-  Enhancement work(std::move(image), report, run);
+  if (known) report.empty_share = double(std::ranges::count(known->data, std::uint8_t{0})) / double(known->data.size());
+  if (report.empty_share == 1) return fail(Errc::kIllPosed, file.string() + ": all pixels are empty");
+  Enhancement work(std::move(image), std::move(known), report, run);
   work.filter(options);
   COLLINEA_TRY(work.use_tables(options));
   work.dither(options);
   if (run.stopped()) return fail(Errc::kCancelled, "stopped");
   COLLINEA_TRY(make_out_folder(folder));
-  const bool is_grey = options.palette == Palette::kGrey;
-  COLLINEA_TRY(write_png(folder / "enhanced.png", is_grey ? work.image() : in_colours(work.image(), options.palette)));
+  COLLINEA_TRY(write_png(folder / "enhanced.png", work.shown(options.palette)));
   COLLINEA_TRY(write_file(folder / "statistics.txt", text_of(grey_statistics_table(report))));
   COLLINEA_TRY(write_file(folder / "histogram.txt", text_of(histogram_table(report))));
   COLLINEA_TRY(write_file(folder / "histogram.svg", histogram_svg(report)));

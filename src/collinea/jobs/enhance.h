@@ -77,8 +77,9 @@ struct EnhanceOptions {
 
 /// Enhances an image for the eye or for measurement, in the order of the options, and writes into `folder`:
 /// enhanced.png, statistics.txt (grey values after each step), histogram.txt and .svg (before and after). The images
-/// are held as bytes, filters work by strips. Errors: files, options, those of what is not done, a palette for colours,
-/// a threshold to be found in one grey value.
+/// are held as bytes, filters work by strips. Pixels that the file states as empty (alpha, mask, no-data value) count
+/// nowhere and stay empty: enhanced.png then has an alpha channel. Errors: files, options, those of what is not done, a
+/// palette for colours, a threshold to be found in one grey value.
 [[nodiscard]] Result<EnhanceReport> enhance_image(const std::filesystem::path& image,
                                                   const std::filesystem::path& folder, const EnhanceOptions& options,
                                                   const Run& run);

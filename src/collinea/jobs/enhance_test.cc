@@ -78,6 +78,52 @@ TEST(EnhanceJob, KeepsColoursWhereAskedFor) {
   EXPECT_EQ(image->at(0, 0, 1), 155);
 }
 
+// As an orthophoto: half of it empty, stated by its alpha channel.
+fs::path half_empty(const fs::path& folder, std::uint8_t fill) {
+  Raster<std::uint8_t> image(64, 40, 4);
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 64; ++x) {
+      image.at(x, y, 3) = y < 20 ? 0 : 255;
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = y < 20 ? fill : static_cast<std::uint8_t>(100 + x);
+    }
+  EXPECT_TRUE(write_png(folder / "half.png", image));
+  return folder / "half.png";
+}
+
+TEST(EnhanceJob, LeavesEmptyPixelsOutAndKeepsThemEmpty) {
+  const TestFolder folder;
+  for (const Contrast contrast : {Contrast::kStretch, Contrast::kEqualise, Contrast::kWallis}) {
+    const EnhanceOptions options{.contrast = contrast, .lut = GreyLut::kNegative};
+    std::string tables[2];
+    Raster<std::uint8_t> pictures[2];
+    for (const int k : {0, 1}) {
+      const auto report = enhance_image(half_empty(folder / "", k ? 255 : 0), folder / "out", options, {});
+      ASSERT_TRUE(report) << report.error().message;
+      EXPECT_EQ(report->empty_share, 0.5);
+      EXPECT_EQ(report->steps.front().histogram.total(), 64u * 20u);
+      EXPECT_EQ(report->steps.back().histogram.total(), 64u * 20u);
+      if (contrast == Contrast::kStretch) EXPECT_EQ(report->black, 103);  // as without the empty half
+      EXPECT_NE(enhance_text(*report).find("50.0 % of the pixels are empty"), std::string::npos);
+      tables[k] = *read_file(folder / "out/statistics.txt");
+      pictures[k] = *read_grey(folder / "out/enhanced.png");
+      const auto known = read_known_pixels(folder / "out/enhanced.png");
+      ASSERT_TRUE(known && *known);
+      EXPECT_EQ((*known)->at(5, 19), 0);
+      EXPECT_EQ((*known)->at(5, 20), 255);
+    }
+    EXPECT_EQ(tables[0], tables[1]);
+    EXPECT_EQ(pictures[0].data, pictures[1].data);
+  }
+}
+
+TEST(EnhanceJob, RefusesAnImageWithoutPixels) {
+  const TestFolder folder;
+  ASSERT_TRUE(write_png(folder / "nothing.png", Raster<std::uint8_t>(8, 8, 4)));
+  const auto refused = enhance_image(folder / "nothing.png", folder / "out", {}, {});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::kIllPosed);
+}
+
 TEST(EnhanceJob, RefusesWhatDoesNotGoTogether) {
   const TestFolder folder;
   const fs::path file = dull(folder / "");

@@ -7,7 +7,7 @@
 
 #include "collinea/base/file.h"
 #include "collinea/base/parallel.h"
-#include "collinea/jobs/internal/marked_image.h"
+#include "collinea/jobs/internal/drawing.h"
 #include "collinea/raster/geotiff.h"
 #include "collinea/raster/image_file.h"
 
@@ -53,14 +53,14 @@ GreyImage shown(const FloatImage& map) {
 }
 
 Raster<std::uint8_t> marked(const GreyImage& image, const InterestPoints& found) {
-  MarkedImage drawing(image);
+  ColourImage drawing = to_draw_on(image);
   for (const InterestPoint& p : found.points) {
     if (p.is_circle)
-      drawing.circle(p.position_px, 5, kMarkBlue);
+      draw_circle(drawing, p.position_px, 5, kMarkBlue);
     else
-      drawing.cross(p.position_px, 5, kMarkRed);
+      draw_cross(drawing, p.position_px, 5, kMarkRed);
   }
-  return std::move(drawing).image();
+  return drawing;
 }
 
 std::vector<RepeatabilityRow> tried(const GreyImage& image, const InterestJobOptions& options, const Run& run) {

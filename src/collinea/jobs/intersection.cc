@@ -142,17 +142,17 @@ Result<> match_points(IntersectionReport& report, const Rays& rays, const PhotoF
   return {};
 }
 
-void compare(IntersectionReport& report, const std::map<std::string, GroundTablePoint>& ground) {
+void compare(IntersectionReport& report, const GroundTable& ground) {
   for (IntersectionReport::Point& point : report.points)
-    if (const auto known = ground.find(point.name); known != ground.end() && point.is_found) {
+    if (const GroundTablePoint* known = ground.find(point.name); known && point.is_found) {
       point.has_ground = true;
-      point.off_ground = known->second.position - point.position;
+      point.off_ground = known->position - point.position;
     }
   for (IntersectionReport::Refined& point : report.refined)
-    if (const auto known = ground.find(point.name);
-        known != ground.end() && point.match.outcome == MultiImageOutcome::kFound) {
+    if (const GroundTablePoint* known = ground.find(point.name);
+        known && point.match.outcome == MultiImageOutcome::kFound) {
       point.has_ground = true;
-      point.off_ground = known->second.position - point.match.point_in_world;
+      point.off_ground = known->position - point.match.point_in_world;
     }
 }
 
@@ -174,7 +174,7 @@ Result<IntersectionReport> intersect_from_tables(const std::filesystem::path& me
   const double given = options.sigma.value_or(frame.y_up ? 0.01 : 1);
   const double sigma = options.sigma && frame.y_up ? given * unit_factor(table.unit_of("x"), "mm").value_or(1) : given;
   COLLINEA_TRY(const Rays rays, read_rays(table, frame, sigma, orientations).map_error(in_file));
-  std::map<std::string, GroundTablePoint> ground;
+  GroundTable ground;
   if (options.ground) {
     COLLINEA_TRY(ground, read_ground_table(*options.ground, 0, true));
   }

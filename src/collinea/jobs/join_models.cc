@@ -11,6 +11,7 @@
 #include "collinea/base/nearest_names.h"
 #include "collinea/io/text_table.h"
 #include "collinea/jobs/adjust_project.h"
+#include "collinea/jobs/internal/model_findings.h"
 #include "collinea/models/model_tables.h"
 #include "collinea/project/project.h"
 
@@ -145,6 +146,7 @@ Result<ModelsReport> join_models_of(const fs::path& source, const JoinModelsOpti
   how.false_alarm = options.false_alarm;
   COLLINEA_TRY(report.block, join_models(report.models, report.control, how, run));
   if (options.anblock) add_anblock(run, report);
+  report.findings = model_findings(report);
   if (options.out) COLLINEA_TRY(write_tables(report, *options.out));
   return report;
 }

@@ -12,6 +12,7 @@
 #include "collinea/io/text.h"
 #include "collinea/jobs/internal/out_folder.h"
 #include "collinea/jobs/internal/pair_control.h"
+#include "collinea/jobs/internal/pair_findings.h"
 #include "collinea/jobs/internal/pair_map.h"
 #include "collinea/jobs/internal/pair_orientation.h"
 #include "collinea/jobs/internal/pair_surface.h"
@@ -144,6 +145,8 @@ Result<PairReport> orient_and_match(const fs::path& left, const fs::path& right,
   report.median_sigma_px = cloud.median_sigma_px;
   report.median_sigma_z = cloud.median_sigma_z;
   COLLINEA_TRY(report.map, map_of(pair, model, report, cloud, options.cell_m, folder, run));
+  report.findings = pair_findings(model, report, control ? control->left_px() : std::vector<Eigen::Vector2d>{},
+                                  options.wanted_sigma_z_m);
   COLLINEA_TRY(write_file(folder / "pair.txt", pair_text(report)));
   return report;
 }

@@ -186,7 +186,8 @@ TEST(Pair, ALensComesFromACameraFile) {
   PairChainOptions options;
   options.camera = village.folder / "camera.txt";
   options.levels.levels = 1;
-  ASSERT_TRUE(write_file(*options.camera, "# ID MODEL WIDTH HEIGHT PARAMS\n1 OPENCV 800 600 600 600 400 300 -0.06 0 0 0\n"));
+  ASSERT_TRUE(
+      write_file(*options.camera, "# ID MODEL WIDTH HEIGHT PARAMS\n1 OPENCV 800 600 600 600 400 300 -0.06 0 0 0\n"));
   const auto with = orient_and_match(village.left, village.right, village.folder / "pair", options, {.threads = 2});
   ASSERT_TRUE(with) << with.error().message;
   const Rigid3 truth = village.right_from_left();
@@ -346,7 +347,7 @@ TEST(Pair, SaysWhatIsMissingOrWrong) {
   const auto other = orient_and_match(village.left, village.folder / "noise.png", village.folder / "pair", options, {});
   ASSERT_FALSE(other);
   EXPECT_NE(other.error().message.find("do not show the same"), std::string::npos);
-  ASSERT_TRUE(write_file(village.folder / "control.txt", "point X[m]\nA 1\n"));
+  ASSERT_TRUE(write_file(village.folder / "control.txt", "point X[m] Y[m]\nA 1 2\n"));
   options.control = village.folder / "control.txt";
   const auto columns = orient_and_match(village.left, village.right, village.folder / "pair", options, {});
   ASSERT_FALSE(columns);

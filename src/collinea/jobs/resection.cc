@@ -35,7 +35,7 @@ struct Measured {
 struct Tables {
   std::vector<Measured> marks;
   std::vector<std::string> images;  // in order of appearance
-  std::map<std::string, GroundTablePoint> ground;
+  GroundTable ground;
   std::string unit;
   bool sigmas_are_stated = false;
 
@@ -43,8 +43,8 @@ struct Tables {
     return static_cast<std::size_t>(std::find(images.begin(), images.end(), mark.image) - images.begin());
   }
   [[nodiscard]] bool is_known(const Measured& mark) const {
-    const auto found = ground.find(mark.point);
-    return found != ground.end() && found->second.sigma.allFinite();
+    const GroundTablePoint* found = ground.find(mark.point);
+    return found && found->sigma.allFinite();
   }
 };
 
@@ -122,16 +122,16 @@ Problem problem_of(const Tables& tables, const PhotoFrame& frame) {
     if (!mark.is_rejected) ++seen[mark.point];
   for (std::size_t i = 0; i < tables.marks.size(); ++i) {
     const Measured& mark = tables.marks[i];
-    const auto known = tables.ground.find(mark.point);
-    const bool is_useful = tables.is_known(mark) || seen[mark.point] > 1 ||
-                           (known != tables.ground.end() && known->second.sigma.array().isFinite().any());
+    const GroundTablePoint* known = tables.ground.find(mark.point);
+    const bool is_useful =
+        tables.is_known(mark) || seen[mark.point] > 1 || (known && known->sigma.array().isFinite().any());
     if (mark.is_rejected || !is_useful) continue;
     const auto [at, is_new] = index.emplace(mark.point, problem.points.size());
     if (is_new) {
       ResectionPoint point{Vector3d::Zero(), Vector3d::Constant(INFINITY)};
-      if (known != tables.ground.end()) point.sigma_m = known->second.sigma;
+      if (known) point.sigma_m = known->sigma;
       for (int axis = 0; axis < 3; ++axis)
-        if (std::isfinite(point.sigma_m[axis])) point.in_world[axis] = known->second.position[axis];
+        if (std::isfinite(point.sigma_m[axis])) point.in_world[axis] = known->position[axis];
       problem.points.push_back(point);
       problem.names.push_back(mark.point);
     }
@@ -162,7 +162,7 @@ Result<Starts> starts_of(Tables& tables, const PhotoFrame& frame, const ResectOn
     for (std::size_t i = 0; i < tables.marks.size(); ++i)
       if (const Measured& mark = tables.marks[i]; mark.image == image && tables.is_known(mark)) {
         pixels.push_back(frame.pixel(mark.xy));
-        points.push_back(tables.ground.at(mark.point).position);
+        points.push_back(tables.ground.find(mark.point)->position);
         rows.push_back(i);
       }
     if (points.size() < 3)
@@ -248,7 +248,7 @@ std::vector<Vector3d> known_points(const Tables& tables, const std::string& imag
   std::vector<Vector3d> points;
   for (const Measured& mark : tables.marks)
     if (mark.image == image && !mark.is_rejected && tables.is_known(mark))
-      points.push_back(tables.ground.at(mark.point).position);
+      points.push_back(tables.ground.find(mark.point)->position);
   return points;
 }
 
@@ -289,7 +289,7 @@ Result<ResectionReport> by_collinearity(Tables& tables, const ResectOneOptions& 
       row.w = in_table(frame, tests[i]->w) / factor;
     } else if (tables.is_known(mark)) {
       const auto seen =
-          project(frame.camera, found.cam_from_world[tables.image_of(mark)] * tables.ground.at(mark.point).position);
+          project(frame.camera, found.cam_from_world[tables.image_of(mark)] * tables.ground.find(mark.point)->position);
       if (seen) row.misfit = in_table(frame, frame.pixel(mark.xy) - *seen);
     } else {
       continue;  // seen once and not known
@@ -427,10 +427,10 @@ Result<ResectionReport> by_transformation(const Tables& tables, const ResectOneO
   std::vector<ProjectedPoint> points;
   std::vector<const Measured*> used;
   for (const Measured& mark : tables.marks) {
-    const auto known = tables.ground.find(mark.point);
+    const GroundTablePoint* known = tables.ground.find(mark.point);
     const int wanted = is_plane ? 2 : 3;
-    if (known == tables.ground.end() || !known->second.position.head(wanted).allFinite()) continue;
-    points.push_back({frame.pixel(mark.xy), known->second.position, mark.sigma});
+    if (!known || !known->position.head(wanted).allFinite()) continue;
+    points.push_back({frame.pixel(mark.xy), known->position, mark.sigma});
     used.push_back(&mark);
   }
   const auto fit = is_plane ? fit_plane_projection(points) : fit_projection(points);
@@ -478,9 +478,9 @@ Result<ResectionReport> of_station(const Tables& tables, const ResectOneOptions&
   std::vector<const Measured*> used;
   std::vector<Vector3d> points;
   for (const Measured& mark : tables.marks) {
-    const auto known = tables.ground.find(mark.point);
-    if (known == tables.ground.end() || !known->second.position.head<2>().allFinite()) continue;
-    directions.push_back({known->second.position.head<2>(), mark.xy.x(), mark.sigma});
+    const GroundTablePoint* known = tables.ground.find(mark.point);
+    if (!known || !known->position.head<2>().allFinite()) continue;
+    directions.push_back({known->position.head<2>(), mark.xy.x(), mark.sigma});
     used.push_back(&mark);
   }
   const auto found = planar_resection(directions);

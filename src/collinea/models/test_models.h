@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Blocks of independent models with known truth, for the tests of this module only.
+// Blocks of independent models with known truth, for tests.
 
 #include <Eigen/Cholesky>
 #include <cmath>

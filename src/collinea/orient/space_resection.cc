@@ -4,16 +4,12 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
 #include "collinea/epipolar/intersect_rays.h"
-#include "collinea/epipolar/p3p.h"
-#include "collinea/geometry/plane.h"
 #include "collinea/geometry/rotation.h"
-#include "collinea/math/median.h"
-#include "collinea/math/random.h"
+#include "collinea/math/inverse_root.h"
 
 namespace collinea {
 namespace {
@@ -23,7 +19,8 @@ using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-using Matrix26 = Eigen::Matrix<double, 2, 6>;
+using Matrix26 = Eigen::Matrix<double, 2, 6, Eigen::RowMajor>;
+using Eigen::Matrix2d;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kLeastEigenvalue = 1e-12;
@@ -35,19 +32,45 @@ struct Linear {
   Vector2d misfit;
 };
 
-// A point with its own normal matrix and the images that see it.
+// A point with its own normal equations.
 struct Eliminated {
   Matrix3d inverse = Matrix3d::Zero();  // of its normal matrix
   Vector3d right = Vector3d::Zero();
-  std::vector<std::pair<std::size_t, Eigen::Matrix<double, 6, 3>>> with_pose;
-
-  // As new, but with the memory it has.
-  void reset() {
-    inverse.setZero();
-    right.setZero();
-    with_pose.clear();
-  }
 };
+
+// The marks of each point, in their order.
+class MarksOfPoints {
+ public:
+  MarksOfPoints(std::span<const ResectionMark> marks, std::size_t points)
+      : begins_(points + 1, 0), marks_(marks.size()) {
+    for (const ResectionMark& mark : marks) ++begins_[mark.point + 1];
+    for (std::size_t p = 0; p < points; ++p) begins_[p + 1] += begins_[p];
+    std::vector<std::size_t> next(begins_.begin(), begins_.end() - 1);
+    for (std::size_t i = 0; i < marks.size(); ++i) marks_[next[marks[i].point]++] = i;
+  }
+  [[nodiscard]] std::span<const std::size_t> operator[](std::size_t point) const {
+    return std::span(marks_).subspan(begins_[point], begins_[point + 1] - begins_[point]);
+  }
+
+ private:
+  std::vector<std::size_t> begins_, marks_;
+};
+
+// What is given of a point that is not exact; of a free coordinate zero, and no weight.
+struct Known {
+  Vector3d in_world = Vector3d::Zero(), inverse_sigma = Vector3d::Zero();
+};
+
+// Of a point that is exact in one coordinate and measured in another the first is known to a micrometre.
+Known known_of(const ResectionPoint& point) {
+  Known known;
+  for (int axis = 0; axis < 3; ++axis)
+    if (std::isfinite(point.sigma_m[axis])) {
+      known.in_world[axis] = point.in_world[axis];
+      known.inverse_sigma[axis] = 1 / std::max(1e-6, point.sigma_m[axis]);
+    }
+  return known;
+}
 
 PoseConditioning conditioning_of(const MatrixXd& covariance, std::size_t image) {
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
@@ -62,8 +85,16 @@ class Adjustment {
  public:
   Adjustment(const Camera& camera, std::span<const Rigid3> starts, std::span<const ResectionMark> marks,
              std::span<const ResectionPoint> points)
-      : camera_(camera), marks_(marks), given_(points), poses_(starts.begin(), starts.end()) {
-    for (const ResectionPoint& point : points) points_.push_back(point.in_world);
+      : camera_(camera),
+        marks_(marks),
+        given_(points),
+        of_point_(marks, points.size()),
+        poses_(starts.begin(), starts.end()) {
+    for (const ResectionPoint& point : points) {
+      points_.push_back(point.in_world);
+      exact_.push_back(point.is_exact());
+      known_.push_back(known_of(point));
+    }
   }
 
   [[nodiscard]] Result<SpaceResection> run() {
@@ -102,22 +133,21 @@ class Adjustment {
                 "the points do not determine the pose: they lie on a line, or with the projection centre on the danger "
                 "cylinder");
   }
-  [[nodiscard]] bool is_exact(std::size_t point) const { return given_[point].is_exact(); }
+  [[nodiscard]] bool is_exact(std::size_t point) const { return exact_[point] != 0; }
+  [[nodiscard]] static Eigen::Index at(std::size_t image) { return 6 * static_cast<Eigen::Index>(image); }
 
   [[nodiscard]] Result<> check() {
-    std::vector<int> rays(given_.size(), 0);
     std::vector<std::size_t> seen(poses_.size(), 0);
     redundancy_ = -6 * static_cast<int>(poses_.size());
     for (const ResectionMark& mark : marks_) {
-      COLLINEA_CHECK(mark.image < poses_.size() && mark.point < given_.size());
-      ++rays[mark.point];
+      COLLINEA_CHECK(mark.image < poses_.size());
       ++seen[mark.image];
       redundancy_ += 2;
     }
     for (const std::size_t count : seen)
       if (count < 3) return fail(Errc::kIllPosed, "an image needs three points, there are " + std::to_string(count));
     for (std::size_t p = 0; p < given_.size(); ++p) {
-      if (rays[p] == 0 || is_exact(p)) continue;
+      if (of_point_[p].empty() || is_exact(p)) continue;
       for (int axis = 0; axis < 3; ++axis) redundancy_ -= !std::isfinite(given_[p].sigma_m[axis]);
     }
     if (redundancy_ < 0) return fail(Errc::kIllPosed, "there are more unknowns than measurements");
@@ -129,11 +159,10 @@ class Adjustment {
       if (given_[p].is_known()) continue;
       std::vector<Rigid3> from;
       std::vector<Vector2d> xy;
-      for (const ResectionMark& mark : marks_)
-        if (mark.point == p) {
-          from.push_back(poses_[mark.image]);
-          xy.push_back(normalized(camera_, mark.pixel));
-        }
+      for (const std::size_t i : of_point_[p]) {
+        from.push_back(poses_[marks_[i].image]);
+        xy.push_back(normalized(camera_, marks_[i].pixel));
+      }
       if (const auto met = intersect_rays(from, xy))
         for (int axis = 0; axis < 3; ++axis)
           if (!std::isfinite(given_[p].sigma_m[axis])) points_[p][axis] = (*met)[axis];
@@ -158,7 +187,8 @@ class Adjustment {
       if (!pixel) return std::numeric_limits<double>::infinity();
       Linear& row = linear[i];
       row.by_point = by_cam * rotations[mark.image] / mark.sigma_px;
-      row.by_pose << row.by_point * skew(arm), -row.by_point;
+      for (int k = 0; k < 2; ++k) row.by_pose.row(k).head<3>() = row.by_point.row(k).cross(arm);
+      row.by_pose.rightCols<3>() = -row.by_point;
       row.misfit = (mark.pixel - *pixel) / mark.sigma_px;
       cost += row.misfit.squaredNorm();
     }
@@ -168,55 +198,58 @@ class Adjustment {
   }
   // What is given of a point minus what it is now, over the sigmas; 0 of what is free.
   [[nodiscard]] Vector3d whitened(std::size_t p) const {
-    Vector3d out = Vector3d::Zero();
-    for (int axis = 0; axis < 3; ++axis)
-      if (const double sigma = sigma_of(p, axis); std::isfinite(sigma))
-        out[axis] = (given_[p].in_world[axis] - points_[p][axis]) / sigma;
-    return out;
+    return (known_[p].in_world - points_[p]).cwiseProduct(known_[p].inverse_sigma);
   }
-  // Of a point that is exact in one coordinate and measured in another the first is known to a micrometre.
-  [[nodiscard]] double sigma_of(std::size_t p, int axis) const { return std::max(1e-6, given_[p].sigma_m[axis]); }
 
   // Reduced normal equations of the poses; false when they leave something open.
   [[nodiscard]] bool reduce(double damping) {
-    const auto size = 6 * static_cast<Eigen::Index>(poses_.size());
-    MatrixXd normal = MatrixXd::Zero(size, size);
-    right_ = VectorXd::Zero(size);
+    MatrixXd normal = MatrixXd::Zero(at(poses_.size()), at(poses_.size()));
+    right_ = VectorXd::Zero(normal.rows());
     eliminated_.resize(given_.size());
-    for (Eliminated& point : eliminated_) point.reset();
+    gains_.resize(marks_.size());
     for (std::size_t p = 0; p < given_.size(); ++p) {
-      if (is_exact(p)) continue;
-      for (int axis = 0; axis < 3; ++axis)
-        if (const double sigma = sigma_of(p, axis); std::isfinite(sigma))
-          eliminated_[p].inverse(axis, axis) = 1 / (sigma * sigma);
-      const Vector3d residual = whitened(p);
-      for (int axis = 0; axis < 3; ++axis)
-        if (residual[axis] != 0) eliminated_[p].right[axis] = residual[axis] / sigma_of(p, axis);
-    }
-    for (std::size_t i = 0; i < marks_.size(); ++i) {
-      const auto image = static_cast<Eigen::Index>(marks_[i].image);
-      normal.block<6, 6>(6 * image, 6 * image) += linear_[i].by_pose.transpose() * linear_[i].by_pose;
-      right_.segment<6>(6 * image) += linear_[i].by_pose.transpose() * linear_[i].misfit;
-      if (is_exact(marks_[i].point)) continue;
-      Eliminated& point = eliminated_[marks_[i].point];
-      point.inverse += linear_[i].by_point.transpose() * linear_[i].by_point;
-      point.right += linear_[i].by_point.transpose() * linear_[i].misfit;
-      point.with_pose.emplace_back(marks_[i].image, linear_[i].by_pose.transpose() * linear_[i].by_point);
-    }
-    for (std::size_t p = 0; p < given_.size(); ++p) {
-      Eliminated& point = eliminated_[p];
-      if (point.with_pose.empty()) continue;
-      const Eigen::LDLT<Matrix3d> factor(point.inverse);
-      if (!(factor.vectorD().minCoeff() > 1e-14 * point.inverse.trace())) return false;  // no depth
-      point.inverse = factor.solve(Matrix3d::Identity());
-      for (const auto& [a, with_a] : point.with_pose) {
-        right_.segment<6>(6 * static_cast<Eigen::Index>(a)) -= with_a * (point.inverse * point.right);
-        for (const auto& [b, with_b] : point.with_pose)
-          normal.block<6, 6>(6 * static_cast<Eigen::Index>(a), 6 * static_cast<Eigen::Index>(b)) -=
-              with_a * point.inverse * with_b.transpose();
-      }
+      if (of_point_[p].empty()) continue;
+      if (!is_exact(p) && !solve_point(p)) return false;
+      for (const std::size_t i : of_point_[p]) add_mark(i, normal);
     }
     return invert(normal, damping);
+  }
+  // The normal equations of a point by what is given of it and by its marks; false when these leave it open.
+  [[nodiscard]] bool solve_point(std::size_t p) {
+    Matrix3d normal = known_[p].inverse_sigma.cwiseAbs2().asDiagonal();
+    Vector3d& right = eliminated_[p].right;
+    right = whitened(p).cwiseProduct(known_[p].inverse_sigma);
+    for (const std::size_t i : of_point_[p]) {
+      normal.noalias() += linear_[i].by_point.transpose().lazyProduct(linear_[i].by_point);
+      right.noalias() += linear_[i].by_point.transpose().lazyProduct(linear_[i].misfit);
+    }
+    Matrix3d root;
+    if (!inverse_root(normal, root, 1e-14 * normal.trace())) return false;  // no depth
+    Matrix3d& inverse = eliminated_[p].inverse;
+    inverse.noalias() = root.transpose().lazyProduct(root);
+    for (const std::size_t i : of_point_[p]) gains_[i].noalias() = linear_[i].by_point.lazyProduct(inverse);
+    return true;
+  }
+  // A mark in the normal equations of its pose. Schur complement of its point: with A by the pose, B by the point and N
+  // the normal matrix of the point, marks i and k leave  A_i' (I_ik - B_i N^-1 B_k') A_k.
+  void add_mark(std::size_t i, MatrixXd& normal) {
+    const Linear& row = linear_[i];
+    const std::size_t p = marks_[i].point;
+    const auto by_pose = row.by_pose.transpose();
+    const Eigen::Index image = at(marks_[i].image);
+    if (is_exact(p)) {
+      normal.block<6, 6>(image, image).noalias() += by_pose.lazyProduct(row.by_pose);
+      right_.segment<6>(image).noalias() += by_pose.lazyProduct(row.misfit);
+      return;
+    }
+    const Vector2d misfit = row.misfit - gains_[i].lazyProduct(eliminated_[p].right);
+    right_.segment<6>(image).noalias() += by_pose.lazyProduct(misfit);
+    for (const std::size_t k : of_point_[p]) {
+      Matrix2d weight = -gains_[i].lazyProduct(linear_[k].by_point.transpose());
+      if (k == i) weight += Matrix2d::Identity();
+      const Matrix26 weighted = weight.lazyProduct(linear_[k].by_pose);
+      normal.block<6, 6>(image, at(marks_[k].image)).noalias() += by_pose.lazyProduct(weighted);
+    }
   }
   [[nodiscard]] bool invert(const MatrixXd& normal, double damping) {
     const VectorXd scale = normal.diagonal().cwiseSqrt().cwiseInverse();
@@ -231,15 +264,16 @@ class Adjustment {
   }
   void move(const VectorXd& step) {
     for (std::size_t p = 0; p < given_.size(); ++p) {
-      const Eliminated& point = eliminated_[p];
-      if (point.with_pose.empty()) continue;
-      Vector3d right = point.right;
-      for (const auto& [a, with] : point.with_pose)
-        right -= with.transpose() * step.segment<6>(6 * static_cast<Eigen::Index>(a));
-      points_[p] += point.inverse * right;
+      if (is_exact(p) || of_point_[p].empty()) continue;
+      Vector3d change = eliminated_[p].inverse * eliminated_[p].right;
+      for (const std::size_t i : of_point_[p]) {
+        const Vector2d by_pose = linear_[i].by_pose.lazyProduct(step.segment<6>(at(marks_[i].image)));
+        change -= gains_[i].transpose() * by_pose;
+      }
+      points_[p] += change;
     }
     for (std::size_t a = 0; a < poses_.size(); ++a) {
-      const Vector6 by = step.segment<6>(6 * static_cast<Eigen::Index>(a));
+      const Vector6 by = step.segment<6>(at(a));
       const Vector3d centre = centre_of(poses_[a]) + by.tail<3>();
       poses_[a].rotation = (poses_[a].rotation * rotation_by(-by.head<3>())).normalized();
       poses_[a].translation = -(poses_[a].rotation * centre);
@@ -257,161 +291,81 @@ class Adjustment {
     if (redundancy_ > 0) out.sigma0 = std::sqrt(cost / redundancy_);
     out.point_covariances.assign(points_.size(), Matrix3d::Zero());
     out.point_w.assign(points_.size(), Vector3d::Zero());
-    std::vector<std::vector<Eigen::Matrix<double, 6, 3>>> cross(points_.size());  // covariance of poses with a point
-    for (std::size_t p = 0; p < points_.size(); ++p) add_point(p, cross[p], out);
-    for (std::size_t i = 0; i < marks_.size(); ++i) out.marks.push_back(test_of(i, cross[marks_[i].point], out));
+    out.marks.resize(marks_.size());
+    with_point_.resize(marks_.size());
+    for (std::size_t p = 0; p < points_.size(); ++p) {
+      if (is_exact(p))
+        for (const std::size_t i : of_point_[p]) out.marks[i] = test_of(i, variance_by_pose(i));
+      else
+        add_point(p, out);
+    }
     for (std::size_t a = 0; a < poses_.size(); ++a) out.conditioning.push_back(conditioning_of(inverse_, a));
     return out;
   }
-  void add_point(std::size_t p, std::vector<Eigen::Matrix<double, 6, 3>>& cross, SpaceResection& out) const {
-    const Eliminated& point = eliminated_[p];
-    if (point.with_pose.empty()) return;
-    MatrixXd with = MatrixXd::Zero(inverse_.rows(), 3);
-    for (const auto& [a, block] : point.with_pose) with.middleRows<6>(6 * static_cast<Eigen::Index>(a)) += block;
-    const MatrixXd back = with * point.inverse, covariance = inverse_ * back;
-    out.point_covariances[p] = point.inverse + back.transpose() * covariance;
-    for (std::size_t a = 0; a < poses_.size(); ++a)
-      cross.push_back(-covariance.middleRows<6>(6 * static_cast<Eigen::Index>(a)));
+  // A point with its marks: its covariance, and what is tested by it. Computed coordinates of marks i and k have by
+  // their poses the covariance Q = A_i C A_k', by which the covariance of the point grows and its own with them is.
+  void add_point(std::size_t p, SpaceResection& out) {
+    const std::span<const std::size_t> marks = of_point_[p];
+    if (marks.empty()) return;
+    Matrix3d& covariance = out.point_covariances[p];
+    covariance = eliminated_[p].inverse;
+    for (const std::size_t i : marks) {
+      with_point_[i].setZero();
+      for (const std::size_t k : marks) with_point_[i].noalias() += by_poses(i, k).lazyProduct(gains_[k]);
+      covariance.noalias() += gains_[i].transpose().lazyProduct(with_point_[i]);
+    }
+    for (const std::size_t i : marks) {
+      const Matrix23& by_point = linear_[i].by_point;
+      const Matrix23 both = by_point.lazyProduct(covariance) - 2 * with_point_[i];
+      out.marks[i] = test_of(i, variance_by_pose(i) + both.cwiseProduct(by_point).rowwise().sum());
+    }
     const Vector3d residual = whitened(p);
     for (int axis = 0; axis < 3; ++axis) {
-      const double sigma = sigma_of(p, axis);
-      if (!std::isfinite(sigma)) continue;
-      const double redundancy = 1 - out.point_covariances[p](axis, axis) / (sigma * sigma);
+      const double weight = known_[p].inverse_sigma[axis] * known_[p].inverse_sigma[axis];
+      const double redundancy = 1 - covariance(axis, axis) * weight;
       if (redundancy > 1e-9) out.point_w[p][axis] = residual[axis] / std::sqrt(redundancy);
     }
   }
-  [[nodiscard]] MarkTest test_of(std::size_t i, const std::vector<Eigen::Matrix<double, 6, 3>>& cross,
-                                 const SpaceResection& out) const {
-    const ResectionMark& mark = marks_[i];
-    const auto at = 6 * static_cast<Eigen::Index>(mark.image);
-    const Linear& row = linear_[i];
-    Eigen::Matrix2d used = row.by_pose * inverse_.block<6, 6>(at, at) * row.by_pose.transpose();
-    if (!cross.empty()) {
-      const Eigen::Matrix2d mixed = row.by_pose * cross[mark.image] * row.by_point.transpose();
-      used += mixed + mixed.transpose() + row.by_point * out.point_covariances[mark.point] * row.by_point.transpose();
-    }
+  // Covariance of the computed coordinates of two marks by their poses, in units of their own.
+  [[nodiscard]] Matrix2d by_poses(std::size_t i, std::size_t k) const {
+    const Matrix26 with =
+        linear_[i].by_pose.lazyProduct(inverse_.block<6, 6>(at(marks_[i].image), at(marks_[k].image)));
+    return with.lazyProduct(linear_[k].by_pose.transpose());
+  }
+  [[nodiscard]] Vector2d variance_by_pose(std::size_t i) const { return by_poses(i, i).diagonal(); }
+  [[nodiscard]] MarkTest test_of(std::size_t i, const Vector2d& variance) const {
     MarkTest test;
-    test.misfit = mark.sigma_px * row.misfit;
+    test.misfit = marks_[i].sigma_px * linear_[i].misfit;
     for (int k = 0; k < 2; ++k) {
-      test.redundancy[k] = std::max(0.0, 1 - used(k, k));
-      if (test.redundancy[k] > 1e-9) test.w[k] = row.misfit[k] / std::sqrt(test.redundancy[k]);
+      test.redundancy[k] = std::max(0.0, 1 - variance[k]);
+      if (test.redundancy[k] > 1e-9) test.w[k] = linear_[i].misfit[k] / std::sqrt(test.redundancy[k]);
     }
     return test;
   }
+
   const Camera& camera_;
   std::span<const ResectionMark> marks_;
   std::span<const ResectionPoint> given_;
+  MarksOfPoints of_point_;
+  std::vector<std::uint8_t> exact_;
+  std::vector<Known> known_;
   std::vector<Rigid3> poses_;
   std::vector<Vector3d> points_;
   std::vector<Linear> linear_;
   std::vector<Eliminated> eliminated_;
-  MatrixXd inverse_;  // of the reduced normal matrix
+  std::vector<Matrix23> gains_;       // of each mark: its derivatives by its point times the point's inverse
+  std::vector<Matrix23> with_point_;  // of each mark: sum of Q_ik times the gain of k
+  MatrixXd inverse_;                  // of the reduced normal matrix
   VectorXd right_;
   int redundancy_ = 0, iterations_ = 0;
 };
-
-// Squared errors in units of the image.
-void squared_errors(const Rigid3& pose, double focal, std::span<const Vector2d> xy, std::span<const Vector3d> points,
-                    std::vector<double>& out) {
-  const Matrix3d r = pose.rotation.toRotationMatrix();
-  out.resize(xy.size());
-  for (std::size_t i = 0; i < xy.size(); ++i) {
-    const Vector3d p = r * points[i] + pose.translation;
-    out[i] = p.z() > 0 ? focal * focal * (p.head<2>() / p.z() - xy[i]).squaredNorm()
-                       : std::numeric_limits<double>::infinity();
-  }
-}
-
-// Calls visit with all triples below n, or with `most` drawn ones.
-template <class Visit>
-void for_triples(std::size_t n, std::size_t most, std::uint64_t seed, const Visit& visit) {
-  if (n * (n - 1) * (n - 2) / 6 <= most) {
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = i + 1; j < n; ++j)
-        for (std::size_t k = j + 1; k < n; ++k) visit({i, j, k});
-    return;
-  }
-  Random random(seed);
-  const auto below = static_cast<std::uint32_t>(n);
-  for (std::size_t trial = 0; trial < most; ++trial) {
-    const std::array<std::size_t, 3> t{random.below(below), random.below(below), random.below(below)};
-    if (t[0] != t[1] && t[1] != t[2] && t[0] != t[2]) visit(t);
-  }
-}
 
 }  // namespace
 
 Result<SpaceResection> space_resection(const Camera& camera, std::span<const Rigid3> starts,
                                        std::span<const ResectionMark> marks, std::span<const ResectionPoint> points) {
+  for (const ResectionMark& mark : marks) COLLINEA_CHECK(mark.point < points.size());
   return Adjustment(camera, starts, marks, points).run();
-}
-
-std::vector<PoseStart> pose_starts(const Camera& camera, std::span<const Vector2d> pixels,
-                                   std::span<const Vector3d> points_in_world, std::uint64_t seed, std::size_t most) {
-  COLLINEA_CHECK(pixels.size() == points_in_world.size());
-  if (pixels.size() < 3) return {};
-  std::vector<Vector2d> xy;
-  for (const Vector2d& pixel : pixels) xy.push_back(normalized(camera, pixel));
-  const double focal = pixels_per_unit(camera, xy[0]);
-  // The h-th smallest of n errors: half of them and half of a sample more (Rousseeuw and Leroy 1987).
-  const std::size_t n = xy.size(), rank = std::min(n, n / 2 + 2) - 1;
-  struct Candidate {
-    Rigid3 pose;
-    double criterion, sum;
-  };
-  std::vector<Candidate> found;
-  std::vector<double> errors;
-  for_triples(n, most, seed, [&](const std::array<std::size_t, 3>& triple) {
-    std::array<Vector3d, 3> rays, points;
-    for (std::size_t k = 0; k < 3; ++k) {
-      rays[k] = Vector3d(xy[triple[k]].x(), xy[triple[k]].y(), 1).normalized();
-      points[k] = points_in_world[triple[k]];
-    }
-    for (const Rigid3& pose : p3p(rays, points)) {
-      squared_errors(pose, focal, xy, points_in_world, errors);
-      std::nth_element(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(rank), errors.end());
-      double sum = 0;
-      for (std::size_t k = 0; k <= rank; ++k) sum += errors[k];
-      if (std::isfinite(sum)) found.push_back({pose, n > 4 ? errors[rank] : sum, sum});
-    }
-  });
-  if (n > 3)
-    std::stable_sort(found.begin(), found.end(),
-                     [](const Candidate& a, const Candidate& b) { return a.criterion < b.criterion; });
-  std::vector<PoseStart> starts;
-  for (const Candidate& candidate : found) {
-    if (n > 3 && starts.size() == 4) break;
-    const double scale = n > 3 ? 0.8493 * (1 + 5 / std::max(1.0, double(n) - 3)) * std::sqrt(candidate.criterion) : 0;
-    starts.push_back({candidate.pose, scale});
-  }
-  return starts;
-}
-
-std::optional<DangerCylinder> danger_cylinder(std::span<const Vector3d> points_in_world,
-                                              const Vector3d& centre_in_world) {
-  const auto plane = fit_plane(points_in_world);
-  if (!plane) return std::nullopt;
-  const FramedPlane frame = framed_plane(plane->middle, plane->normal);
-  // Circle x^2 + y^2 = 2 a x + 2 b y + c by least squares.
-  Matrix3d normal = Matrix3d::Zero();
-  Vector3d right = Vector3d::Zero();
-  for (const Vector3d& point : points_in_world) {
-    const Vector2d p = frame.in_plane(point).head<2>();
-    const Vector3d row(2 * p.x(), 2 * p.y(), 1);
-    normal += row * row.transpose();
-    right += row * p.squaredNorm();
-  }
-  const Vector3d circle = normal.ldlt().solve(right);
-  const double radius = std::sqrt(circle.z() + circle.head<2>().squaredNorm());
-  if (!std::isfinite(radius)) return std::nullopt;
-  double squares = 0;
-  for (const Vector3d& point : points_in_world) {
-    const Vector3d p = frame.in_plane(point);
-    const double off = (p.head<2>() - circle.head<2>()).norm() - radius;
-    squares += off * off + p.z() * p.z();
-  }
-  const Vector2d centre = frame.in_plane(centre_in_world).head<2>() - circle.head<2>();
-  return DangerCylinder{radius, std::sqrt(squares / double(points_in_world.size())), centre.norm() - radius};
 }
 
 }  // namespace collinea

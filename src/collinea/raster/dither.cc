@@ -55,7 +55,7 @@ std::vector<int> ranks_of(int cell) {
 
 }  // namespace
 
-Raster<std::uint8_t> dithered_by_diffusion(const Raster<std::uint8_t>& image, int levels) {
+Raster<std::uint8_t> dithered_by_diffusion(const Raster<std::uint8_t>& image, int levels, const GreyImage* known) {
   const Levels values(levels);
   Raster<std::uint8_t> out(image.width, image.height, image.channels);
   const auto channels = std::size_t(image.channels);
@@ -66,6 +66,7 @@ Raster<std::uint8_t> dithered_by_diffusion(const Raster<std::uint8_t>& image, in
     const std::uint8_t* in = image.row(y);
     std::uint8_t* to = out.row(y);
     for (std::size_t i = 0; i < std::size_t(image.width) * channels; ++i) {
+      if (known && known->row(y)[i / channels] == 0) continue;
       const int wanted = 16 * in[i] + here[i + channels];
       const int grey = values.nearest(std::clamp(wanted, 0, 255 * 16));
       to[i] = static_cast<std::uint8_t>(grey);

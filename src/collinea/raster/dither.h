@@ -22,7 +22,9 @@ inline constexpr Word<Dither> kDitherWords[] = {
 
 /// Floyd and Steinberg (1976), rows from left to right: 7/16 of the error to the right, 3/16, 5/16 and 1/16 below. The
 /// result has the grey values 255 i / (levels - 1), each channel by itself; the error that leaves the image is lost.
-[[nodiscard]] Raster<std::uint8_t> dithered_by_diffusion(const Raster<std::uint8_t>& image, int levels);
+/// Pixels where the mask `known` is 0 are empty: they stay 0, and errors that go there are lost.
+[[nodiscard]] Raster<std::uint8_t> dithered_by_diffusion(const Raster<std::uint8_t>& image, int levels,
+                                                         const GreyImage* known = nullptr);
 
 /// Ordered dithering: a shade between the grey values i and i + 1 lights k of the cell^2 pixels of a cell by i + 1, k
 /// the nearest whole number (Mussio 6.13). `cell` is 2 to 8; ranks within the cell by Bayer (1973) where it is a power

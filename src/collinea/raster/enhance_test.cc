@@ -53,6 +53,77 @@ TEST(GreyStatistics, AreThoseOfTheDefinitions) {
   EXPECT_EQ(statistics_of(GreyHistogram{}).count, 0u);
 }
 
+// An image with empty pixels in a corner and here and there.
+struct Holed {
+  GreyImage image, known;
+
+  explicit Holed(int channels, std::uint8_t fill) : image(noisy(60, 45, channels, 3)), known(60, 45, 1, 255) {
+    for (int y = 0; y < 45; ++y)
+      for (int x = 0; x < 60; ++x)
+        if (x + y < 30 || (7 * x + 5 * y) % 13 == 0) {
+          known.at(x, y) = 0;
+          for (int c = 0; c < channels; ++c) image.at(x, y, c) = fill;
+        }
+  }
+};
+
+// Whatever an empty pixel holds: nothing that is known depends on it.
+TEST(EmptyPixels, CountNowhere) {
+  for (const int channels : {1, 3}) {
+    const Holed black(channels, 0), white(channels, 255);
+    EXPECT_EQ(grey_histogram(black.image, &black.known).count, grey_histogram(white.image, &white.known).count);
+    const auto same = [&](auto&& filter) {
+      const GreyImage a = filter(black), b = filter(white);
+      const auto n = static_cast<std::size_t>(channels);
+      std::size_t differ = 0, empty = 0;
+      for (std::size_t i = 0; i < a.data.size(); ++i) {
+        differ += a.data[i] != b.data[i];
+        empty += black.known.data[i / n] == 0 && a.data[i] != 0;
+      }
+      EXPECT_EQ(differ, 0u);
+      EXPECT_EQ(empty, 0u);
+    };
+    same([](const Holed& h) { return gaussian_filtered(h.image, 1.5, {}, &h.known); });
+    same([](const Holed& h) { return wallis_filtered(h.image, {.window_px = 11}, {}, &h.known); });
+    for (const Reduction reduction : {Reduction::kMean, Reduction::kSinc, Reduction::kMedian}) {
+      const ReducedPart a = reduced(black.image, black.known, 2.5, reduction, {}),
+                        b = reduced(white.image, white.known, 2.5, reduction, {});
+      EXPECT_EQ(a.image.data, b.image.data);
+      EXPECT_EQ(a.known.data, b.known.data);
+      EXPECT_EQ(a.known.at(0, 0), 0);
+      EXPECT_EQ(a.known.at(23, 17), 255);
+    }
+  }
+  const Holed black(1, 0), white(1, 255);
+  EXPECT_EQ(dithered_by_diffusion(black.image, 3, &black.known).data,
+            dithered_by_diffusion(white.image, 3, &white.known).data);
+}
+
+// A flat image stays flat up to the rim of what is known, where zeros would darken it.
+TEST(EmptyPixels, DoNotDarkenTheRim) {
+  Holed flat(1, 0);
+  for (std::size_t i = 0; i < flat.image.data.size(); ++i)
+    if (flat.known.data[i] != 0) flat.image.data[i] = 140;
+  const GreyImage smooth = gaussian_filtered(flat.image, 2, {}, &flat.known);
+  for (std::size_t i = 0; i < smooth.data.size(); ++i) EXPECT_EQ(smooth.data[i], flat.known.data[i] != 0 ? 140 : 0);
+  for (const Reduction reduction : {Reduction::kMean, Reduction::kSinc, Reduction::kMedian}) {
+    const ReducedPart part = reduced(flat.image, flat.known, 3, reduction, {});
+    for (std::size_t i = 0; i < part.image.data.size(); ++i)
+      EXPECT_EQ(part.image.data[i], part.known.data[i] != 0 ? 140 : 0);
+  }
+}
+
+// Where nothing is empty the mask changes nothing.
+TEST(EmptyPixels, OfAFullMaskThereAreNone) {
+  const GreyImage image = noisy(50, 40, 3, 9), full(50, 40, 1, 255);
+  EXPECT_EQ(wallis_filtered(image, {.window_px = 9}, {}, &full).data,
+            wallis_filtered(image, {.window_px = 9}, {}).data);
+  EXPECT_EQ(dithered_by_diffusion(image, 4, &full).data, dithered_by_diffusion(image, 4).data);
+  EXPECT_EQ(reduced(image, full, 2, Reduction::kMedian, {}).image.data, reduced(image, 2, Reduction::kMedian, {}).data);
+  const GreyImage a = gaussian_filtered(image, 1.2, {}, &full), b = gaussian_filtered(image, 1.2, {});
+  for (std::size_t i = 0; i < a.data.size(); ++i) EXPECT_NEAR(a.data[i], b.data[i], 1);  // rounding at the half
+}
+
 TEST(GreyTables, StretchIsLinearBetweenBlackAndWhite) {
   const GreyTable table = stretch_table(50, 150);
   EXPECT_EQ(table[0], 0);

@@ -56,7 +56,13 @@ double GreyHistogram::share_up_to(int grey) const {
   return all == 0 ? 0 : static_cast<double>(sum) / static_cast<double>(all);
 }
 
-GreyHistogram grey_histogram(const Raster<std::uint8_t>& image) {
+GreyHistogram grey_histogram(const Raster<std::uint8_t>& image, const GreyImage* known) {
+  if (known) {
+    GreyHistogram out;
+    const auto channels = static_cast<std::size_t>(image.channels);
+    for (std::size_t i = 0; i < image.data.size(); ++i) out.count[image.data[i]] += known->data[i / channels] != 0;
+    return out;
+  }
   // Four counters: equal neighbours do not wait for each other.
   std::array<std::array<std::uint64_t, kGreyValues>, 4> parts{};
   const std::size_t whole = image.data.size() / 4 * 4;

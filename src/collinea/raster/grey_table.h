@@ -24,7 +24,8 @@ struct GreyHistogram {
   /// Share of the values up to and including this one.
   [[nodiscard]] double share_up_to(int grey) const;
 };
-[[nodiscard]] GreyHistogram grey_histogram(const Raster<std::uint8_t>& image);
+/// `known`: a mask of the image's size, 0 where a pixel is empty and does not count; nothing: all count.
+[[nodiscard]] GreyHistogram grey_histogram(const Raster<std::uint8_t>& image, const GreyImage* known = nullptr);
 
 /// Karfis 1.2: brightness is the mean, contrast the standard deviation sqrt(sum (g - mean)^2 / (n - 1)).
 struct GreyStatistics {

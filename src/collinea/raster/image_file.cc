@@ -37,7 +37,35 @@ Result<Raster<std::uint8_t>> read_image_file(const std::filesystem::path& path, 
   }
 }
 
+GdalDataset opened(const std::filesystem::path& path) {
+  const char* const drivers[] = {"JPEG", "PNG", "GTiff", nullptr};
+  return GdalDataset(GDALOpenEx(path.c_str(), GDAL_OF_READONLY | GDAL_OF_RASTER, drivers, nullptr, nullptr));
+}
+
 }  // namespace
+
+Result<std::optional<GreyImage>> read_known_pixels(const std::filesystem::path& path) {
+  set_up_gdal();
+  const GdalErrors errors;
+  const GdalDataset file = opened(path);
+  if (!file) return errors.error(Errc::kBadFormat, "reading " + path.string());
+  GreyImage known(GDALGetRasterXSize(file.get()), GDALGetRasterYSize(file.get()));
+  GreyImage one(known.width, known.height);
+  for (int i = 1; i <= GDALGetRasterCount(file.get()); ++i) {
+    const GDALRasterBandH band = GDALGetRasterBand(file.get(), i);
+    if (GDALGetRasterColorInterpretation(band) == GCI_AlphaBand) continue;
+    const int flags = GDALGetMaskFlags(band);
+    if (flags & GMF_ALL_VALID) return std::optional<GreyImage>();
+    if (GDALRasterIO(GDALGetMaskBand(band), GF_Read, 0, 0, one.width, one.height, one.data.data(), one.width,
+                     one.height, GDT_Byte, 0, 0) != CE_None)
+      return errors.error(Errc::kBadFormat, "reading the mask of " + path.string());
+    for (std::size_t k = 0; k < one.data.size(); ++k)
+      if (one.data[k] != 0) known.data[k] = 255;
+    if (flags & GMF_PER_DATASET) break;
+  }
+  if (std::ranges::find(known.data, std::uint8_t{0}) == known.data.end()) return std::optional<GreyImage>();
+  return std::optional(std::move(known));
+}
 
 bool is_image_name(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
@@ -56,8 +84,7 @@ Result<GreyImage> read_grey(const std::filesystem::path& path, int shrink) { ret
 Result<int> channels_of(const std::filesystem::path& path) {
   set_up_gdal();
   const GdalErrors errors;
-  const char* const drivers[] = {"JPEG", "PNG", "GTiff", nullptr};
-  const GdalDataset file(GDALOpenEx(path.c_str(), GDAL_OF_READONLY | GDAL_OF_RASTER, drivers, nullptr, nullptr));
+  const GdalDataset file = opened(path);
   if (!file) return errors.error(Errc::kBadFormat, "reading " + path.string());
   const bool is_grey =
       GDALGetRasterCount(file.get()) == 1 && !GDALGetRasterColorTable(GDALGetRasterBand(file.get(), 1));

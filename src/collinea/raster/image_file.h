@@ -40,6 +40,10 @@ struct ImageHeader {
 [[nodiscard]] Result<ColourImage> read_colour(const std::filesystem::path& path, int shrink = 1);
 [[nodiscard]] Result<GreyImage> read_grey(const std::filesystem::path& path, int shrink = 1);
 
+/// Which pixels the file has, 255, and which it states as empty, 0: by its alpha channel (0), its mask, or the no-data
+/// value of all its bands. Nothing when all are there. Errors: missing, not an image.
+[[nodiscard]] Result<std::optional<GreyImage>> read_known_pixels(const std::filesystem::path& path);
+
 /// 1 when the file holds nothing but grey values, else 3. Errors: missing, not an image.
 [[nodiscard]] Result<int> channels_of(const std::filesystem::path& path);
 

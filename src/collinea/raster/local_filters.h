@@ -9,6 +9,8 @@
 
 // Filters of images of bytes, any channels, each by itself. They go through the image by strips, side by side: beside
 // image and result a thread holds the rows of its strip and of the window. The same bits for any number of threads.
+// `known` is a mask of the image's size, 0 where a pixel is empty: such pixels count in no window and are 0 in the
+// result; nothing: there are none.
 namespace collinea {
 
 /// Weights of a Gaussian from its middle outwards, cut at four sigmas; both sides together sum to 1.
@@ -16,8 +18,8 @@ namespace collinea {
 
 /// Multiplied with G(x) G(y), G = exp(-x^2 / (2 sigma^2)), cut at four sigmas, weights that sum to 1, the border
 /// repeated, rounded (Karfis 2.3). Sigma 0: the image itself.
-[[nodiscard]] Raster<std::uint8_t> gaussian_filtered(const Raster<std::uint8_t>& image, double sigma_px,
-                                                     const Run& run);
+[[nodiscard]] Raster<std::uint8_t> gaussian_filtered(const Raster<std::uint8_t>& image, double sigma_px, const Run& run,
+                                                     const GreyImage* known = nullptr);
 
 /// Wallis' filter (1976): mean and contrast are brought near to wished ones everywhere.
 struct WallisOptions {
@@ -49,6 +51,6 @@ struct WallisOptions {
 ///     g' = (g - m) c S / (c s + (1 - c) S) + b M + (1 - b) m
 /// Of a flat window the first part is 0. The sums are exact whole numbers, at the same cost for windows of any size.
 [[nodiscard]] Raster<std::uint8_t> wallis_filtered(const Raster<std::uint8_t>& image, const WallisOptions& options,
-                                                   const Run& run);
+                                                   const Run& run, const GreyImage* known = nullptr);
 
 }  // namespace collinea

@@ -31,4 +31,13 @@ inline constexpr Word<Reduction> kReductionWords[] = {
 [[nodiscard]] Raster<std::uint8_t> reduced(const Raster<std::uint8_t>& image, double factor, Reduction reduction,
                                            const Run& run);
 
+/// The same of an image with empty pixels, where the mask `known` is 0: they do not count, and a pixel of which they
+/// have more than half of the weight (median: of the number) is empty.
+struct ReducedPart {
+  Raster<std::uint8_t> image;  ///< 0 where it is empty
+  GreyImage known;             ///< 255, or 0
+};
+[[nodiscard]] ReducedPart reduced(const Raster<std::uint8_t>& image, const GreyImage& known, double factor,
+                                  Reduction reduction, const Run& run);
+
 }  // namespace collinea

@@ -100,6 +100,9 @@ std::string enhance_text(const EnhanceReport& report) {
   if (last.width != first.width || last.height != first.height)
     text += fmt::format("; result {} x {} px", last.width, last.height);
   text += "\n";
+  if (report.empty_share > 0)
+    text +=
+        fmt::format("{:.1f} % of the pixels are empty: they count nowhere, and stay empty\n", 100 * report.empty_share);
   if (report.black) text += fmt::format("stretch: {} becomes black, {} white\n", *report.black, *report.white);
   if (report.threshold)
     text += fmt::format("threshold: white from grey value {} on{}\n", *report.threshold,

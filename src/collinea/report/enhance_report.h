@@ -20,6 +20,7 @@ struct EnhanceStep {
 struct EnhanceReport {
   std::string image;  ///< file
   int channels = 1;
+  double empty_share = 0;  ///< of the pixels of the file, which count nowhere
   std::vector<EnhanceStep> steps;
   std::optional<int> black, white;  ///< of a stretch: the grey values that became 0 and 255
   std::optional<int> threshold;     ///< as used

@@ -169,8 +169,9 @@ std::string price_text(const std::string& what, const VarianceTest& free, const 
   const double variance = free.sigmas_are_stated ? 1 : free.sigma0 * free.sigma0;
   const double ratio = std::max(0.0, squares / conditions / variance);
   const double chance = fisher_tail(ratio, conditions, free.sigmas_are_stated ? INFINITY : free.redundancy);
-  return fmt::format("{}: {} conditions cost F {:.2f} (chance {:.2g}): {}\n", what, conditions, ratio, chance,
-                     chance < free.alpha ? "refuted. Lens distortion, another camera, or gross errors" : "not refuted");
+  return fmt::format(
+      "{}: {} conditions cost F {:.2f} (chance {:.2g}): {}\n", what, conditions, ratio, chance,
+      chance < VarianceTest::kLevel ? "refuted. Lens distortion, another camera, or gross errors" : "not refuted");
 }
 
 std::string comparison_text(const FactorisationReport& report) {

@@ -8,6 +8,9 @@
 #include <map>
 #include <numbers>
 
+#include "collinea/report/findings_text.h"
+#include "collinea/report/single_step.h"
+
 namespace collinea {
 namespace {
 
@@ -94,8 +97,8 @@ std::string sigma0_text(const ModelsReport& report) {
     text += ": all standard deviations are multiplied by it\n";
   else
     text += fmt::format(": {} (chance of so much or more {:.2g})\n",
-                        block.chance < report.false_alarm        ? "residuals are larger than the sigmas allow"
-                        : block.chance <= 1 - report.false_alarm ? "residuals agree with the sigmas"
+                        block.chance < VarianceTest::kLevel        ? "residuals are larger than the sigmas allow"
+                        : block.chance <= 1 - VarianceTest::kLevel ? "residuals agree with the sigmas"
                         : report.pairs.empty()
                             ? "residuals are smaller than the sigmas say"
                             : "residuals are smaller than the sigmas say, as those of models with images in common are",
@@ -141,42 +144,10 @@ std::string accuracy_text(const ModelsReport& report) {
   return text;
 }
 
-std::string indented_rows(const TextTable& table) {
+std::string indented_text(const TextTable& table) {
   std::string text = "  ";
   for (const char c : text_of(table)) text += c == '\n' ? "\n  " : std::string(1, c);
   text.resize(text.size() - 2);
-  return text;
-}
-
-std::string left_out_text(const ModelsReport& report) {
-  std::string text;
-  for (const LeftOutModel& one : report.block.chain.left_out) {
-    const std::string& name = report.models[one.model].name;
-    switch (one.reason) {
-      case LeftOutReason::kNoPoint:
-        text += fmt::format("model {} was left out: it has no point in common with the others\n", name);
-        break;
-      case LeftOutReason::kTooFew:
-        text += fmt::format("model {} was left out: it hangs by {} only, about which it can turn\n", name,
-                            one.shared == 1 ? "one point" : "two points");
-        break;
-      case LeftOutReason::kOnLine:
-        text += fmt::format(
-            "model {} was left out: its {} points in common with the others do not fix it; they lie on "
-            "a line, or are known in plan or height alone\n",
-            name, one.shared);
-        break;
-      case LeftOutReason::kNoControl:
-        text += fmt::format(
-            "model {} was left out: it hangs together with other models but not with the block, and "
-            "what control these have does not fix them\n",
-            name);
-        break;
-    }
-  }
-  for (std::size_t i = 0; i < report.pairs.size(); ++i)
-    if (!report.pairs[i].failure.empty())
-      text += fmt::format("pair {} makes no model: {}\n", report.pair_names[i], report.pairs[i].failure);
   return text;
 }
 
@@ -192,9 +163,6 @@ std::string weak_text(const ModelsReport& report) {
         ++coordinates;
         poor += test.redundancy < kPoorlyChecked ? 1 : 0;
       }
-    if (model.redundancy < 1)
-      text += fmt::format("model {} is checked by nothing: its redundancy is {:.2f}\n", report.models[m].name,
-                          model.redundancy);
   }
   if (poor > 0)
     text += fmt::format(
@@ -224,7 +192,7 @@ std::string models_text(const ModelsReport& report) {
   }
   text += counts_text(report) + sigma0_text(report) + accuracy_text(report);
   if (!report.block.control.empty())
-    text += "\ncontrol, given minus adjusted\n" + indented_rows(joined_control_table(report));
+    text += "\ncontrol, given minus adjusted\n" + indented_text(joined_control_table(report));
   const std::vector<Suspect> suspects = suspects_of(report);
   text += fmt::format("\n{} coordinates are suspect (|w| > {:.2f})\n", suspects.size(), report.block.limit);
   for (std::size_t i = 0; i < std::min(kShown, suspects.size()); ++i)
@@ -232,7 +200,7 @@ std::string models_text(const ModelsReport& report) {
                         suspects[i].test.w, suspects[i].test.residual, suspects[i].test.redundancy,
                         i == 0 ? "  (the worst: believe it alone)" : "");
   if (suspects.size() > kShown) text += fmt::format("  and {} more\n", suspects.size() - kShown);
-  return text + left_out_text(report) + weak_text(report);
+  return text + weak_text(report) + findings_text(report.findings);
 }
 
 TextTable joined_point_table(const ModelsReport& report) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "collinea/base/finding.h"
 #include "collinea/io/text_table.h"
 #include "collinea/models/anblock.h"
 #include "collinea/models/model_block.h"
@@ -25,6 +26,7 @@ struct ModelsReport {
   JoinedBlock block;
   std::optional<Anblock> anblock;
   std::string anblock_failure;  ///< why there is none, where one was wanted
+  std::vector<Finding> findings;
 
   /// Of coordinates of the block: m, or the models' unit where there is no control.
   [[nodiscard]] std::string ground_unit() const { return block.chain.on_ground ? "m" : model_unit; }

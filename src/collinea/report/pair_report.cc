@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "collinea/epipolar/relative_elements.h"
+#include "collinea/report/findings_text.h"
 #include "collinea/report/internal/level_table.h"
 
 namespace collinea {
@@ -133,7 +134,7 @@ std::string pair_text(const PairReport& report) {
   text += surface_text(report);
   if (report.absolute) text += absolute_text(report);
   if (report.map) text += map_text(*report.map);
-  return text;
+  return text + findings_text(report.findings);
 }
 
 }  // namespace collinea

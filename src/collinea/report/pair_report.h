@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "collinea/base/finding.h"
 #include "collinea/base/words.h"
 #include "collinea/dense/epipolar_pair.h"
 #include "collinea/dense/level_matching.h"
@@ -67,6 +68,13 @@ struct PairReport {
   std::optional<AbsoluteOrientation> absolute;
   std::vector<std::string> control_names;
   std::optional<PairMap> map;
+  std::vector<Finding> findings;
+
+  /// Depths are in metres, or can be said in them.
+  [[nodiscard]] bool is_metric() const { return has_base || absolute.has_value(); }
+  [[nodiscard]] double median_sigma_z_m() const {
+    return absolute ? median_sigma_z * absolute->ground_from_model.scale : median_sigma_z;
+  }
 };
 
 /// For a terminal and as a file.

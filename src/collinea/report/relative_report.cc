@@ -99,7 +99,7 @@ std::string head(const RelativeReport& report) {
   if (report.options.sigma_known) {
     const double chance = fisher_tail(o.sigma0 * o.sigma0, o.redundancy, INFINITY);
     text += fmt::format("sigma0 {:.3f} of the standard deviations as given; they are what is stated below\n", o.sigma0);
-    if (chance < 0.01)
+    if (chance < VarianceTest::kLevel)
       text += fmt::format(
           "the residuals are larger than the standard deviations allow (chance {:.1g}): they are too small, by about "
           "{:.1f} times, or errors are left\n",

@@ -80,6 +80,11 @@ constexpr Phrase kPhrases[] = {
      "into the file of measurements"},
     {R::kLookForNames, "look whether names of images and their positions belong together"},
     {R::kLookForDatum, "look what the heights of positions and of control count from"},
+    {R::kSpreadPairPoints, "find points in all parts of the overlap: with a lower threshold, or evenly spread"},
+    {R::kGiveControlInCorners, "give control in all four corners of the overlap"},
+    {R::kLengthenBase, "take photographs farther apart, or nearer to the object"},
+    {R::kShareModelPoints, "measure more points, off one line, that it shares with the models beside it"},
+    {R::kStateSigmas, "state the standard deviations that the measurements have"},
 };
 static_assert(is_in_order(kPhrases, kRemedyCodes, &Phrase::code));
 

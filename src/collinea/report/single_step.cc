@@ -125,12 +125,34 @@ std::string variance_text(const VarianceTest& test) {
   std::string text = fmt::format("sigma0 {:.4g}, redundancy {}", test.sigma0, test.redundancy);
   if (!test.sigmas_are_stated)
     return text + "; no standard deviations were stated: sigma0 is estimated and used in all sigmas\n";
-  const double tail = fisher_tail(test.sigma0 * test.sigma0, test.redundancy, INFINITY);
-  if (tail < test.alpha)
-    return text + fmt::format("; residuals are larger than the stated sigmas allow (chance {:.1e})\n", tail);
-  if (tail > 1 - test.alpha) return text + "; residuals are smaller than the stated sigmas let expect\n";
-  return text +
-         fmt::format("; agrees with the stated sigmas (chance of more {:.{}f} %)\n", 100 * tail, tail < 0.05 ? 1 : 0);
+  return text + "; " + verdict_text(test.verdict(), test.chance_of_more()) + "\n";
+}
+
+double VarianceTest::chance_of_more() const {
+  return redundancy > 0 ? fisher_tail(sigma0 * sigma0, redundancy, INFINITY) : 1;
+}
+
+VarianceVerdict VarianceTest::verdict() const {
+  if (redundancy <= 0 || !sigmas_are_stated) return VarianceVerdict::kNotTested;
+  const double more = chance_of_more();
+  return more < kLevel       ? VarianceVerdict::kTooLarge
+         : more > 1 - kLevel ? VarianceVerdict::kTooSmall
+                             : VarianceVerdict::kAgrees;
+}
+
+std::string verdict_text(VarianceVerdict verdict, double chance_of_more) {
+  switch (verdict) {
+    case VarianceVerdict::kTooLarge:
+      return fmt::format("residuals are larger than the stated sigmas allow (chance of so much or more {:.1e})",
+                         chance_of_more);
+    case VarianceVerdict::kTooSmall:
+      return "residuals are smaller than the stated sigmas let expect";
+    case VarianceVerdict::kAgrees:
+      return fmt::format("agrees with the stated sigmas (chance of so much or more {:.0f} %)", 100 * chance_of_more);
+    case VarianceVerdict::kNotTested:
+      break;
+  }
+  return "";
 }
 
 std::string indented_rows(const TextTable& table) {

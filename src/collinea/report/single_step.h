@@ -40,6 +40,10 @@ struct Estimate {
 /// Columns parameter and one for each estimate.
 [[nodiscard]] TextTable correlations_table(std::span<const Estimate> estimates, const Eigen::MatrixXd& covariance);
 
+/// Whether residuals agree with the standard deviations that were stated. What has a chance below the level of the test
+/// is no agreement.
+enum class VarianceVerdict : std::uint8_t { kNotTested, kAgrees, kTooLarge, kTooSmall };
+
 /// The variance of unit weight against the standard deviations of the measurements.
 struct VarianceTest {
   double sigma0 = 1;
@@ -51,7 +55,16 @@ struct VarianceTest {
   [[nodiscard]] double factor() const { return sigmas_are_stated || redundancy <= 0 ? 1 : sigma0; }
   /// Of the test w of one measurement, made with the standard deviations times factor(): normal, or tau.
   [[nodiscard]] double limit() const;
+
+  /// Level of the test of sigma0 as a whole, each way.
+  static constexpr double kLevel = 0.01;
+  /// That sigma0 is as large or larger (smaller), if the stated standard deviations are right.
+  [[nodiscard]] double chance_of_more() const;
+  [[nodiscard]] double chance_of_less() const { return 1 - chance_of_more(); }
+  [[nodiscard]] VarianceVerdict verdict() const;
 };
+/// The outcome for people, where standard deviations were stated: "agrees with the stated sigmas (chance ...)".
+[[nodiscard]] std::string verdict_text(VarianceVerdict verdict, double chance_of_more);
 [[nodiscard]] std::string variance_text(const VarianceTest& test);
 /// The largest test of a measurement beside its limit, and whether it contradicts the others.
 [[nodiscard]] std::string largest_test_text(const VarianceTest& test, double largest, const std::string& point,

@@ -119,6 +119,8 @@ std::string words_of(const Subject& subject, const Block& block) {
       return (subject.aspect == Aspect::kDirection ? "the direction of line " : "the position of line ") + name;
     case SubjectKind::kProduct:
       return name == "orthophoto" ? name : name.substr(0, name.find('_')) + " model";
+    case SubjectKind::kModel:
+      return "model " + name;
     case SubjectKind::kFile:
     case SubjectKind::kCrs:
       return name;

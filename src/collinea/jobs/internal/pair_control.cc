@@ -6,31 +6,23 @@
 #include <cmath>
 
 #include "collinea/epipolar/intersect.h"
-#include "collinea/io/text_table.h"
+#include "collinea/jobs/internal/ground_table.h"
 
 namespace collinea {
 namespace {
 
 constexpr double kUsualSigma_m = 0.02;  // of the ground, where the table states none
 
-Result<> read_ground(const TextTable& table, std::vector<AbsoluteControl>& points) {
-  const char* const axes[] = {"X", "Y", "Z"};
+AbsoluteControl on_ground_of(const GroundTablePoint& point) {
+  AbsoluteControl made;
+  made.has_plan = point.has_plan();
+  made.has_height = point.has_height();
   for (int k = 0; k < 3; ++k) {
-    const std::string axis = axes[k];
-    COLLINEA_TRY(const std::vector<double> ground, table.numbers_or(axis, "m", std::nan("")));
-    COLLINEA_TRY(const std::vector<double> sigmas, table.numbers_or("sigma_" + axis, "m", kUsualSigma_m));
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      points[i].in_ground[k] = ground[i];
-      points[i].ground_covariance(k, k) = sigmas[i] * sigmas[i];
-    }
+    const bool is_known = std::isfinite(point.position[k]);
+    made.in_ground[k] = is_known ? point.position[k] : 0;
+    made.ground_covariance(k, k) = is_known ? point.sigma[k] * point.sigma[k] : 0;
   }
-  for (AbsoluteControl& point : points) {
-    point.has_plan = point.in_ground.head<2>().allFinite();
-    point.has_height = std::isfinite(point.in_ground.z());
-    for (double& value : point.in_ground)
-      if (!std::isfinite(value)) value = 0;
-  }
-  return {};
+  return made;
 }
 
 }  // namespace
@@ -38,15 +30,18 @@ Result<> read_ground(const TextTable& table, std::vector<AbsoluteControl>& point
 Result<PairControl> read_pair_control(const std::filesystem::path& file, const PairFiles& pair, int shrink,
                                       double sigma_px) {
   const auto within = [&](Error error) { return std::move(error).within(file.string()); };
-  COLLINEA_TRY(const TextTable table, read_text_table(file));
+  COLLINEA_TRY(const GroundTable ground, read_ground_table(file, kUsualSigma_m, false));
   PairControl control{.file = file, .names = {}, .pixels = {}, .sigma_px = sigma_px / shrink, .points = {}};
-  COLLINEA_TRY(control.names, table.words("point").map_error(within));
+  for (const GroundTablePoint& point : ground.points) {
+    control.names.push_back(point.name);
+    control.points.push_back(on_ground_of(point));
+  }
   std::array<std::vector<double>, 4> pixels;
   const char* const columns[] = {"x_left", "y_left", "x_right", "y_right"};
   for (std::size_t i = 0; i < 4; ++i) {
-    COLLINEA_TRY(pixels[i], table.numbers(columns[i], "px").map_error(within));
+    COLLINEA_TRY(pixels[i], ground.table.numbers(columns[i], "px").map_error(within));
   }
-  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+  for (std::size_t i = 0; i < ground.points.size(); ++i) {
     std::array<Eigen::Vector2d, 2> seen = {Eigen::Vector2d(pixels[0][i], pixels[1][i]), {pixels[2][i], pixels[3][i]}};
     if (pair.film) {
       const auto left = pair.film->in_left(seen[0]), right = pair.film->in_right(seen[1]);
@@ -56,9 +51,13 @@ Result<PairControl> read_pair_control(const std::filesystem::path& file, const P
     }
     control.pixels.push_back({seen[0] / shrink, seen[1] / shrink});
   }
-  control.points.resize(table.rows.size());
-  COLLINEA_TRY(read_ground(table, control.points).map_error(within));
   return control;
+}
+
+std::vector<Eigen::Vector2d> PairControl::left_px() const {
+  std::vector<Eigen::Vector2d> out;
+  for (const auto& seen : pixels) out.push_back(seen[0]);
+  return out;
 }
 
 Result<AbsoluteOrientation> oriented_absolutely(const PairControl& control, const PairModel& model,

@@ -18,6 +18,8 @@ struct PairControl {
   std::vector<std::array<Eigen::Vector2d, 2>> pixels;  ///< in the images as they are worked on
   double sigma_px = 0;                                 ///< of their coordinates there
   std::vector<AbsoluteControl> points;                 ///< ground alone
+
+  [[nodiscard]] std::vector<Eigen::Vector2d> left_px() const;
 };
 
 /// `shrink`: of the images as they are worked on, against the files. Errors: the table; a point beyond the film.

@@ -26,6 +26,7 @@ struct PairChainOptions {
   Interpolation resampling = Interpolation::kBicubic;
   std::optional<double> base_m;
   std::optional<double> cell_m;
+  std::optional<double> wanted_sigma_z_m;
   std::optional<std::filesystem::path> control;
   double control_sigma_px = 0.5;
   bool refine = true;
@@ -54,6 +55,9 @@ struct PairChainOptions {
                 "cell of surface model and orthophoto; nothing: the larger of the ground size of a pixel and the mean "
                 "distance of points",
                 1e-6});
+    visit(Field{"wanted_sigma_z_m", &O::wanted_sigma_z_m, "m",
+                "standard deviation of heights by matching that is wanted: reported when it is not reached", 1e-6,
+                1e6});
     visit(Field{"control", &O::control, "",
                 "text table: point X Y Z (- where not known), sigma_X sigma_Y sigma_Z [m], x_left y_left x_right "
                 "y_right [px], for the absolute orientation"}

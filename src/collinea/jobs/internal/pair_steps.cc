@@ -141,18 +141,20 @@ Result<PairImages> read_pair(const PairFiles& pair, int shrink, const Run& run) 
   return images;
 }
 
-std::vector<PairPoint> normalised(const std::vector<MatchedPoint>& points, const PairImages& images, double sigma_px) {
+std::vector<PairPoint> normalised(const std::vector<MatchedPoint>& points, const Camera& left, const Camera& right,
+                                  double sigma_px) {
   std::vector<PairPoint> pairs;
   for (const MatchedPoint& point : points)
-    pairs.push_back({normalized(images.left_camera, point.left_px), normalized(images.right_camera, point.right_px),
-                     sigma_px / images.left_camera.focal_px(), sigma_px / images.right_camera.focal_px()});
+    pairs.push_back({normalized(left, point.left_px), normalized(right, point.right_px), sigma_px / left.focal_px(),
+                     sigma_px / right.focal_px()});
   return pairs;
 }
 
 Result<PairOrientation> oriented_by(const std::string& by, std::vector<MatchedPoint>& points, const PairImages& images,
                                     const RelativeOptions& options, std::uint64_t seed) {
   PairOrientation made{.by = by, .points = points.size()};
-  COLLINEA_TRY(made.orientation, relative_orientation(normalised(points, images, 1), options, seed));
+  COLLINEA_TRY(made.orientation,
+               relative_orientation(normalised(points, images.left_camera, images.right_camera, 1), options, seed));
   made.rejected = made.orientation.rejected.size();
   made.sigma0_px = made.orientation.sigma0;
   std::vector<MatchedPoint> kept;

@@ -53,8 +53,8 @@ struct PairModel {
 };
 
 /// Points as the relative orientation takes them.
-[[nodiscard]] std::vector<PairPoint> normalised(const std::vector<MatchedPoint>& points, const PairImages& images,
-                                                double sigma_px);
+[[nodiscard]] std::vector<PairPoint> normalised(const std::vector<MatchedPoint>& points, const Camera& left,
+                                                const Camera& right, double sigma_px);
 
 /// Orients the pair by the points, and drops from them those that were rejected.
 [[nodiscard]] Result<PairOrientation> oriented_by(const std::string& by, std::vector<MatchedPoint>& points,

@@ -58,5 +58,8 @@ struct FindingWords {
 [[nodiscard]] std::string words_of_weak_cases(const FindingWords& w);   ///< scenes and motions that determine badly
 [[nodiscard]] std::string words_of_orientation(const FindingWords& w);  ///< what orientation and adjustment did
 [[nodiscard]] std::string words_of_products(const FindingWords& w);     ///< products and exchange
+[[nodiscard]] std::string words_of_pair(const FindingWords& w);         ///< a pair of images
+[[nodiscard]] std::string words_of_models(const FindingWords& w);       ///< independent models
+[[nodiscard]] std::string words_of_fit(const FindingWords& w);          ///< control and residuals of a single step
 
 }  // namespace collinea

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "collinea/epipolar/p3p.h"
+#include "collinea/geometry/plane.h"
+#include "collinea/math/random.h"
+#include "collinea/orient/space_resection.h"
+
+namespace collinea {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+// Squared errors in units of the image.
+void squared_errors(const Rigid3& pose, double focal, std::span<const Vector2d> xy, std::span<const Vector3d> points,
+                    std::vector<double>& out) {
+  const Matrix3d r = pose.rotation.toRotationMatrix();
+  out.resize(xy.size());
+  for (std::size_t i = 0; i < xy.size(); ++i) {
+    const Vector3d p = r * points[i] + pose.translation;
+    out[i] = p.z() > 0 ? focal * focal * (p.head<2>() / p.z() - xy[i]).squaredNorm()
+                       : std::numeric_limits<double>::infinity();
+  }
+}
+
+// Calls visit with all triples below n, or with `most` drawn ones.
+template <class Visit>
+void for_triples(std::size_t n, std::size_t most, std::uint64_t seed, const Visit& visit) {
+  if (n * (n - 1) * (n - 2) / 6 <= most) {
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = i + 1; j < n; ++j)
+        for (std::size_t k = j + 1; k < n; ++k) visit({i, j, k});
+    return;
+  }
+  Random random(seed);
+  const auto below = static_cast<std::uint32_t>(n);
+  for (std::size_t trial = 0; trial < most; ++trial) {
+    const std::array<std::size_t, 3> t{random.below(below), random.below(below), random.below(below)};
+    if (t[0] != t[1] && t[1] != t[2] && t[0] != t[2]) visit(t);
+  }
+}
+
+}  // namespace
+
+std::vector<PoseStart> pose_starts(const Camera& camera, std::span<const Vector2d> pixels,
+                                   std::span<const Vector3d> points_in_world, std::uint64_t seed, std::size_t most) {
+  COLLINEA_CHECK(pixels.size() == points_in_world.size());
+  if (pixels.size() < 3) return {};
+  std::vector<Vector2d> xy;
+  for (const Vector2d& pixel : pixels) xy.push_back(normalized(camera, pixel));
+  const double focal = pixels_per_unit(camera, xy[0]);
+  // The h-th smallest of n errors: half of them and half of a sample more (Rousseeuw and Leroy 1987).
+  const std::size_t n = xy.size(), rank = std::min(n, n / 2 + 2) - 1;
+  struct Candidate {
+    Rigid3 pose;
+    double criterion, sum;
+  };
+  std::vector<Candidate> found;
+  std::vector<double> errors;
+  for_triples(n, most, seed, [&](const std::array<std::size_t, 3>& triple) {
+    std::array<Vector3d, 3> rays, points;
+    for (std::size_t k = 0; k < 3; ++k) {
+      rays[k] = Vector3d(xy[triple[k]].x(), xy[triple[k]].y(), 1).normalized();
+      points[k] = points_in_world[triple[k]];
+    }
+    for (const Rigid3& pose : p3p(rays, points)) {
+      squared_errors(pose, focal, xy, points_in_world, errors);
+      std::nth_element(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(rank), errors.end());
+      double sum = 0;
+      for (std::size_t k = 0; k <= rank; ++k) sum += errors[k];
+      if (std::isfinite(sum)) found.push_back({pose, n > 4 ? errors[rank] : sum, sum});
+    }
+  });
+  if (n > 3)
+    std::stable_sort(found.begin(), found.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.criterion < b.criterion; });
+  std::vector<PoseStart> starts;
+  for (const Candidate& candidate : found) {
+    if (n > 3 && starts.size() == 4) break;
+    const double scale = n > 3 ? 0.8493 * (1 + 5 / std::max(1.0, double(n) - 3)) * std::sqrt(candidate.criterion) : 0;
+    starts.push_back({candidate.pose, scale});
+  }
+  return starts;
+}
+
+std::optional<DangerCylinder> danger_cylinder(std::span<const Vector3d> points_in_world,
+                                              const Vector3d& centre_in_world) {
+  const auto plane = fit_plane(points_in_world);
+  if (!plane) return std::nullopt;
+  const FramedPlane frame = framed_plane(plane->middle, plane->normal);
+  // Circle x^2 + y^2 = 2 a x + 2 b y + c by least squares.
+  Matrix3d normal = Matrix3d::Zero();
+  Vector3d right = Vector3d::Zero();
+  for (const Vector3d& point : points_in_world) {
+    const Vector2d p = frame.in_plane(point).head<2>();
+    const Vector3d row(2 * p.x(), 2 * p.y(), 1);
+    normal += row * row.transpose();
+    right += row * p.squaredNorm();
+  }
+  const Vector3d circle = normal.ldlt().solve(right);
+  const double radius = std::sqrt(circle.z() + circle.head<2>().squaredNorm());
+  if (!std::isfinite(radius)) return std::nullopt;
+  double squares = 0;
+  for (const Vector3d& point : points_in_world) {
+    const Vector3d p = frame.in_plane(point);
+    const double off = (p.head<2>() - circle.head<2>()).norm() - radius;
+    squares += off * off + p.z() * p.z();
+  }
+  const Vector2d centre = frame.in_plane(centre_in_world).head<2>() - circle.head<2>();
+  return DangerCylinder{radius, std::sqrt(squares / double(points_in_world.size())), centre.norm() - radius};
+}
+
+}  // namespace collinea
