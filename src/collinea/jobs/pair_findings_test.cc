@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "collinea/epipolar/pair_shape.h"
 #include "collinea/math/random.h"
 
 namespace collinea {

@@ -11,6 +11,7 @@
 #include "collinea/jobs/internal/pair_sigma.h"
 #include "collinea/jobs/internal/pair_steps.h"
 #include "collinea/jobs/internal/thinned_sample.h"
+#include "collinea/surface/dsm.h"
 
 namespace collinea {
 

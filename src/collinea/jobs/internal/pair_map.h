@@ -10,6 +10,7 @@
 #include "collinea/block/block.h"
 #include "collinea/cloud/ply.h"
 #include "collinea/report/pair_report.h"
+#include "collinea/surface/dsm.h"
 
 namespace collinea {
 
