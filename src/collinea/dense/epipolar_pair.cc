@@ -10,6 +10,7 @@
 #include "collinea/base/parallel.h"
 #include "collinea/dense/internal/pinhole.h"
 #include "collinea/raster/cubic.h"
+#include "collinea/raster/cubic_row.h"
 
 namespace collinea {
 namespace {
@@ -89,14 +90,10 @@ class Normals {
   const FloatImage& disparity_;
 };
 
-template <int kChannels, auto kValue>
-void resample_row(const Raster<std::uint8_t>& image, const ResamplingLattice& lattice, int row,
-                  Raster<std::uint8_t>& result) {
-  std::uint8_t* out = result.row(row);
-  for (int x = 0; x < result.width; ++x) {
-    const Eigen::Vector2f at = lattice.sample_of(x, row);
-    for (int c = 0; c < kChannels; ++c) *out++ = kValue(image, at.x(), at.y(), c);
-  }
+template <int kChannels>
+void linear_row(const Raster<std::uint8_t>& image, const float* x, const float* y, int count, std::uint8_t* out) {
+  for (int i = 0; i < count; ++i)
+    for (int c = 0; c < kChannels; ++c) *out++ = linear<kChannels>(image, x[i], y[i], c);
 }
 
 }  // namespace
@@ -174,15 +171,20 @@ Raster<std::uint8_t> resampled(const Raster<std::uint8_t>& image, const Camera& 
                                const Eigen::Quaterniond& camera_from_image, const Camera& camera, const Run& run,
                                const RayBend& bend, Interpolation interpolation) {
   const ResamplingLattice lattice(camera_of_image, camera_from_image, camera, run, bend);
-  const bool is_cubic = interpolation == Interpolation::kBicubic;
   Raster<std::uint8_t> result(camera.width_px, camera.height_px, image.channels);
+  const auto row_of = interpolation == Interpolation::kBicubic ? cubic_row
+                      : image.channels == 1                    ? linear_row<1>
+                                                               : linear_row<3>;
   parallel_for(run, std::size_t(result.height), [&](std::size_t row) {
-    if (image.channels == 1)
-      is_cubic ? resample_row<1, cubic<1>>(image, lattice, int(row), result)
-               : resample_row<1, linear<1>>(image, lattice, int(row), result);
-    else
-      is_cubic ? resample_row<3, cubic<3>>(image, lattice, int(row), result)
-               : resample_row<3, linear<3>>(image, lattice, int(row), result);
+    thread_local std::vector<float> x, y;
+    x.resize(std::size_t(result.width));
+    y.resize(std::size_t(result.width));
+    for (int column = 0; column < result.width; ++column) {
+      const Eigen::Vector2f at = lattice.sample_of(column, int(row));
+      x[std::size_t(column)] = at.x();
+      y[std::size_t(column)] = at.y();
+    }
+    row_of(image, x.data(), y.data(), result.width, result.row(int(row)));
   });
   return result;
 }

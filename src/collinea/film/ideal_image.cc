@@ -6,7 +6,7 @@
 
 #include "collinea/base/parallel.h"
 #include "collinea/base/parallel_in_order.h"
-#include "collinea/raster/cubic.h"
+#include "collinea/raster/cubic_row.h"
 #include "collinea/raster/image_file.h"
 #include "collinea/raster/jpeg_writer.h"
 
@@ -32,15 +32,18 @@ class ScanLattice {
     });
   }
 
-  // Positions of the middles of the pixels of a row.
-  void positions(int row, std::vector<Vector2d>& out) const {
+  // The middles of the pixels of a row, in samples of the scan (the middle of its first pixel is 0).
+  void samples(int row, std::vector<float>& x, std::vector<float>& y) const {
     const double v = (row + 0.5) / kLatticePx, b = v - int(v);
     const Vector2d* const above = nodes_.data() + std::size_t(int(v)) * std::size_t(columns_);
     const Vector2d* const below = above + columns_;
-    for (std::size_t x = 0; x < out.size(); ++x) {
-      const double u = (double(x) + 0.5) / kLatticePx, a = u - int(u);
+    for (std::size_t column = 0; column < x.size(); ++column) {
+      const double u = (double(column) + 0.5) / kLatticePx, a = u - int(u);
       const int i = int(u);
-      out[x] = (1 - b) * ((1 - a) * above[i] + a * above[i + 1]) + b * ((1 - a) * below[i] + a * below[i + 1]);
+      const Vector2d at =
+          (1 - b) * ((1 - a) * above[i] + a * above[i + 1]) + b * ((1 - a) * below[i] + a * below[i + 1]);
+      x[column] = float(at.x() - 0.5);
+      y[column] = float(at.y() - 0.5);
     }
   }
 
@@ -49,20 +52,14 @@ class ScanLattice {
   std::vector<Vector2d> nodes_;
 };
 
-template <int kChannels>
-void resample_row(const Raster<std::uint8_t>& scan, const std::vector<Vector2d>& at, std::uint8_t* out) {
-  for (const Vector2d& pixel : at)
-    for (int c = 0; c < kChannels; ++c)
-      *out++ = cubic<kChannels>(scan, float(pixel.x() - 0.5), float(pixel.y() - 0.5), c);
-}
-
 // A row of a strip of the ideal image that begins at row `first`.
 void resample(const Raster<std::uint8_t>& scan, const ScanLattice& lattice, int first, int row,
               Raster<std::uint8_t>& out) {
-  thread_local std::vector<Vector2d> at;
-  at.resize(std::size_t(out.width));
-  lattice.positions(first + row, at);
-  (scan.channels == 1 ? resample_row<1> : resample_row<3>)(scan, at, out.row(row));
+  thread_local std::vector<float> x, y;
+  x.resize(std::size_t(out.width));
+  y.resize(std::size_t(out.width));
+  lattice.samples(first + row, x, y);
+  cubic_row(scan, x.data(), y.data(), out.width, out.row(row));
 }
 
 }  // namespace

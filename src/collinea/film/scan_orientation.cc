@@ -7,10 +7,30 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collinea/feature/fiducial_search.h"
 #include "collinea/io/film_calibration_file.h"
 #include "collinea/raster/image_file.h"
 
 namespace collinea {
+namespace {
+
+// Marks are blurred over more than this: finer pixels say nothing more of where they are, and take the longer.
+constexpr double kCoarsestForMarks_mm = 0.0305;
+constexpr int kMostShrink = 8;
+
+// By how much a scan is reduced for its marks. One that was learnt has the pixels of the scans.
+Result<int> mark_shrink(const std::filesystem::path& file, const MarkSearch& search) {
+  if (search.learnt) return 1;
+  COLLINEA_TRY(const ImageHeader header, read_image_header(file));
+  const double px_per_mm = predicted_scan(search.calibration, header.width_px, header.height_px, search.pixel_mm,
+                                          search.options.turned_deg / 90)
+                               .parameters[3];
+  int shrink = 1;
+  while (shrink < kMostShrink && 2 * shrink <= kCoarsestForMarks_mm * std::abs(px_per_mm)) shrink *= 2;
+  return shrink;
+}
+
+}  // namespace
 
 double ScanOrientation::pixel_mm() const {
   return 1 / std::sqrt(std::abs(scan_from_film().by_film(Eigen::Vector2d::Zero()).determinant()));
@@ -52,10 +72,17 @@ Result<MarkSearch> film_search(const FilmScanOptions& options, const std::filesy
 }
 
 Result<ScanOrientation> orient_scan(const std::filesystem::path& file, const MarkSearch& search, const Run& run) {
-  COLLINEA_TRY(const GreyImage scan, read_grey(file));
-  COLLINEA_TRY(const ScanMarks marks, find_marks(scan, file.stem().string(), search, run).map_error([](Error error) {
+  COLLINEA_TRY(const int shrink, mark_shrink(file, search));
+  COLLINEA_TRY(const GreyImage scan, read_grey(file, shrink));
+  MarkSearch reduced = search;
+  if (reduced.pixel_mm) *reduced.pixel_mm *= shrink;
+  COLLINEA_TRY(ScanMarks marks, find_marks(scan, file.stem().string(), reduced, run).map_error([](Error error) {
     return std::move(error).about("film_pixel_um"_option);
   }));
+  for (MarkReading& mark : marks.marks) {
+    mark.position *= shrink;
+    mark.sigma *= shrink;
+  }
   return oriented_scan(search.calibration, marks);
 }
 
