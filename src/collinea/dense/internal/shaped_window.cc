@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "collinea/dense/internal/row_correlation.h"
 
@@ -16,6 +17,7 @@ using Matrix5d = Eigen::Matrix<double, 5, 5>;
 constexpr double kLevel = 0.01;      // gradients below are none: a tenth of a pixel over half a window
 constexpr double kLeastScale = 0.3;  // of the resampled columns
 constexpr int kIterations = 12;
+constexpr int kAlike_px = 3;  // within which errors of grey values are taken as alike
 constexpr double kSettled_px = 0.003, kFarthest_px = 1, kLimit = 1;
 
 // Value and derivative between the pixels of a row, by Catmull and Rom's cubic; nothing where a pixel shows nothing.
@@ -77,8 +79,10 @@ std::optional<LevelPoint> match_level(const GreyImage& left, const Eigen::Vector
                     found->position_px.y() - 0.5 - pixel.y(), found->ncc, found->sigma_px};
 }
 
-// Normal equations of offset, gain, and the plane of a window.
+// Normal equations of offset, gain, and the plane of a window, and what they are made of, row by row.
 struct PlaneFit {
+  std::vector<Vector5d> rows;
+  std::vector<double> values;
   Matrix5d normal = Matrix5d::Zero();
   Vector5d right_side = Vector5d::Zero();
   double squares = 0, sum = 0;
@@ -86,6 +90,8 @@ struct PlaneFit {
 
   void add(double left, const Sample& right, double u, double v) {
     const Vector5d row((Vector5d() << 1, right.value, -right.slope, -right.slope * u, -right.slope * v).finished());
+    rows.push_back(row);
+    values.push_back(left);
     normal += row * row.transpose();
     right_side += left * row;
     squares += left * left;
@@ -93,6 +99,38 @@ struct PlaneFit {
     ++count;
   }
 };
+
+// Variance of an unknown that is the sum of weights h times grey values, whose errors are alike within kAlike_px:
+// grain, optics and resampling make neighbours so. With r the residuals,
+//     sum over lags of  mean(r_i r_i+lag)  sum(h_i h_i+lag),
+// and no less than errors of single pixels would make it.
+double alike_variance(const std::vector<double>& h, const std::vector<double>& r, int side, double single) {
+  double sum = 0;
+  for (int dv = 0; dv <= kAlike_px; ++dv)
+    for (int du = dv == 0 ? 0 : -kAlike_px; du <= kAlike_px; ++du) {
+      double weights = 0, residuals = 0;
+      for (int v = 0; v + dv < side; ++v)
+        for (int u = std::max(0, -du); u < std::min(side, side - du); ++u) {
+          const std::size_t i = std::size_t(v * side + u), j = std::size_t((v + dv) * side + u + du);
+          weights += h[i] * h[j];
+          residuals += r[i] * r[j];
+        }
+      const double pairs = double(side - dv) * (side - std::abs(du));
+      sum += (dv == 0 && du == 0 ? 1 : 2) * weights * residuals / pairs;
+    }
+  return std::max(sum, single);
+}
+
+// Standard deviation of the disparity of a fit.
+double sigma_of(const PlaneFit& fit, const Vector5d& found, const Vector5d& by, int side, double residual) {
+  std::vector<double> h, r;
+  for (std::size_t i = 0; i < fit.rows.size(); ++i) {
+    h.push_back(by.dot(fit.rows[i]));
+    r.push_back(fit.values[i] - found.dot(fit.rows[i]));
+  }
+  const double single = residual / (fit.count - 5) * by[2];
+  return std::sqrt(alike_variance(h, r, side, single)) / found[1];
+}
 
 std::optional<PlaneFit> fit_of(const GreyImage& left, int half, const GreyImage& right, const LevelPoint& at) {
   const int x = int(at.left_px.x()), y = int(at.left_px.y()), row = y + int(std::lround(at.row_px));
@@ -156,7 +194,7 @@ std::optional<LevelPoint> fitted_plane(const GreyImage& left, int half, const Gr
     const double total = fit->squares - fit->sum * fit->sum / fit->count;
     point.ncc = std::sqrt(std::max(0.0, 1 - residual / total));
     const Vector5d by = solver.solve(Vector5d::Unit(2));
-    point.sigma_px = std::sqrt(residual / (fit->count - 5) * by[2]) / found[1];
+    point.sigma_px = sigma_of(*fit, found, by, 2 * half + 1, residual);
     return point;
   }
   return std::nullopt;

@@ -27,8 +27,8 @@ struct ShapedSearch {
 /// its grey values,
 ///     left(u, v) = offset + gain right(x + u - d - gradient . (u, v), y + row + v),
 /// so that the disparity is that of the middle of the window, whatever its slope and wherever its texture lies. Sigma:
-/// from residuals and normal matrix. Nothing when it does not settle within a pixel of the start, or is steeper than
-/// 1 px a pixel, or where the window leaves an image.
+/// from residuals and normal matrix, with residuals of neighbours as alike as they are. Nothing when it does not settle
+/// within a pixel of the start, or is steeper than 1 px a pixel, or where the window leaves an image.
 [[nodiscard]] std::optional<LevelPoint> fitted_plane(const GreyImage& left, int half, const GreyImage& right,
                                                      const LevelPoint& start);
 
