@@ -8,7 +8,7 @@
 
 #include "collinea/base/parallel.h"
 #include "collinea/dense/internal/disparity_model.h"
-#include "collinea/dense/internal/row_correlation.h"
+#include "collinea/dense/internal/shaped_window.h"
 #include "collinea/feature/interest.h"
 #include "collinea/feature/texture.h"
 #include "collinea/math/median.h"
@@ -19,8 +19,11 @@ namespace {
 constexpr double kMargin_px = 2;         // round the interval of columns
 constexpr double kRowSigmas = 3;         // of the epipolar line's row
 constexpr std::size_t kNeighbours = 16;  // that a spike is judged by
-constexpr double kSpike = 3;             // robust standard deviations
-constexpr double kLeastScatter_px = 0.5;
+constexpr std::size_t kSupport = 4;      // of them that have to bear a point out
+constexpr double kApart_px = 0.5;        // from the planes of those that do
+constexpr double kBend = 0.1;            // and this part of their distance, by which the surface may bend
+constexpr double kSurely = 0.95;         // correlation at which no other slope of the window is tried
+constexpr double kTriedSlope = 0.25;     // of a window whose slope nothing tells
 constexpr std::size_t kMostPoints = 2'000'000;
 constexpr int kEntropySide_px = 9;
 constexpr std::size_t kBlock = 64;  // points of a piece of work
@@ -37,6 +40,8 @@ class LevelMatcher {
                                         int half, std::vector<double>& intervals, const Run& run) const;
 
  private:
+  [[nodiscard]] std::optional<LevelPoint> best_shape(const Eigen::Vector2i& pixel, const DisparityModel& model,
+                                                     int half, ShapedSearch search) const;
   [[nodiscard]] std::optional<LevelPoint> match_one(const Eigen::Vector2i& pixel, const DisparityModel& model, int half,
                                                     double& interval) const;
 
@@ -45,23 +50,42 @@ class LevelMatcher {
   const LevelOptions& options_;
 };
 
+// Planes that the surface at a pixel may have: that of the nearest point, none, that of the model's triangle, which may
+// span a wall; and where none of these is right, one of slopes in all directions.
+std::optional<LevelPoint> LevelMatcher::best_shape(const Eigen::Vector2i& pixel, const DisparityModel& model, int half,
+                                                   ShapedSearch search) const {
+  const Eigen::Vector2d at = pixel.cast<double>() + Eigen::Vector2d(0.5, 0.5);
+  std::optional<LevelPoint> best;
+  const auto attempt = [&](const Eigen::Vector2d& gradient) {
+    search.gradient = gradient;
+    const auto found = match_shaped(left_, pixel, half, right_, search);
+    if (found && (!best || found->ncc > best->ncc)) best = found;
+  };
+  const auto is_enough = [&](double ncc) { return best && best->ncc >= ncc; };
+  attempt(model.nearest(at).gradient.cwiseMax(-kSteepest).cwiseMin(kSteepest));
+  if (is_enough(kSurely)) return best;
+  if (model.nearest(at).gradient != Eigen::Vector2d::Zero()) attempt({0, 0});
+  if (is_enough(options_.min_ncc)) return best;
+  if (const auto gradient = model.gradient_at(at)) attempt(*gradient);
+  for (int i = 0; i < 9 && !is_enough(options_.min_ncc); ++i)
+    if (i != 4) attempt(kTriedSlope * Eigen::Vector2d(i % 3 - 1, i / 3 - 1));
+  return best;
+}
+
 std::optional<LevelPoint> LevelMatcher::match_one(const Eigen::Vector2i& pixel, const DisparityModel& model, int half,
                                                   double& interval) const {
   const Eigen::Vector2d at = pixel.cast<double>() + Eigen::Vector2d(0.5, 0.5);
   const DisparityInterval searched = model.around(at, options_.square_px);
   interval = searched.high_px - searched.low_px + 2 * kMargin_px;
   const int rows = std::max(1, int(std::ceil(kRowSigmas * row_sigma_px_(at))));
-  const int first = int(std::floor(pixel.x() - searched.high_px - kMargin_px)),
-            last = int(std::ceil(pixel.x() - searched.low_px + kMargin_px));
-  const auto found = best_correlation(left_, pixel, half, right_, {first, last, pixel.y() - rows, pixel.y() + rows});
+  const auto found = best_shape(pixel, model, half,
+                                {.low_px = searched.low_px - kMargin_px,
+                                 .high_px = searched.high_px + kMargin_px,
+                                 .rows = rows,
+                                 .return_px = options_.return_px});
   if (!found || found->ncc < options_.min_ncc) return std::nullopt;
-  const int reach = int(std::ceil(interval / 2)) + 2;
-  const Eigen::Vector2i there = found->pixel;
-  const auto back = best_correlation(right_, there, half, left_,
-                                     {pixel.x() - reach, pixel.x() + reach, pixel.y() - rows, pixel.y() + rows});
-  if (!back || (back->pixel - pixel).cast<double>().norm() > options_.return_px) return std::nullopt;
-  return LevelPoint{at, pixel.x() - found->position_px.x() + 0.5, found->position_px.y() - 0.5 - pixel.y(), found->ncc,
-                    found->sigma_px};
+  const auto fitted = fitted_plane(left_, half, right_, *found);
+  return fitted && fitted->ncc >= options_.min_ncc ? fitted : std::nullopt;
 }
 
 Result<std::vector<LevelPoint>> LevelMatcher::match(const std::vector<Eigen::Vector2i>& pixels,
@@ -131,17 +155,20 @@ std::vector<double> thresholds_of(const LevelOptions& options) {
   return thresholds;
 }
 
-// Whether a disparity lies apart from those of the nearest points, and how far these reach.
-bool is_spike(const std::vector<LevelPoint>& points, std::size_t point, const PlaneSquares& squares, double& reach_px) {
-  std::vector<double> around;
-  for (const std::size_t k : squares.nearest(points[point].left_px, kNeighbours)) {
-    around.push_back(points[k].disparity_px);
-    reach_px = (points[k].left_px - points[point].left_px).norm();
+// Whether too few of the nearest points bear a disparity out, and how far these reach. A point bears another out when
+// the mean of their planes leads from one to the other: neighbours on the same roof do, however many lie on the ground.
+bool is_spike(const std::vector<LevelPoint>& points, std::size_t index, const PlaneSquares& squares, double& reach_px) {
+  const LevelPoint& point = points[index];
+  std::size_t support = 0;
+  for (const std::size_t k : squares.nearest(point.left_px, kNeighbours)) {
+    if (k == index) continue;
+    const LevelPoint& other = points[k];
+    const Eigen::Vector2d step = other.left_px - point.left_px;
+    const double predicted = point.disparity_px + 0.5 * (point.gradient + other.gradient).dot(step);
+    support += std::abs(other.disparity_px - predicted) <= kApart_px + kBend * step.norm();
+    reach_px = step.norm();
   }
-  const double middle = median(around);
-  for (double& value : around) value = std::abs(value - middle);
-  const double scatter = std::max(1.4826 * median(around), kLeastScatter_px);
-  return std::abs(points[point].disparity_px - middle) > kSpike * scatter;
+  return support < kSupport;
 }
 
 }  // namespace

@@ -69,12 +69,18 @@ struct LevelSurface {
 ///   - the disparity of a point is predicted in the triangles of the model. That is where its ray meets the model
 ///     (monoplotting): planes in space are planes in column, row and disparity;
 ///   - the interval of columns is that of the model's disparities in a square round the point, and the predicted one,
-///     widened by two pixels; rows by row_sigma_px, the standard deviation of the row of the epipolar line there: one
-///     and three of them on either side;
-///   - the best correlation in it is taken, when it is good enough and comes back;
-///   - spikes go: disparities farther than three robust standard deviations from the median of the 16 nearest points
-///     (at least half a pixel), until none goes. (Karfis' filter takes mean and standard deviation in a circle, which
-///     never rejects anything among fewer than eleven points, nor a third of wrong ones.)
+///     widened by two pixels and by half the distance of the nearest point of the model (a slope of 45 degrees); rows
+///     by row_sigma_px, the standard deviation of the row of the epipolar line there: one and three of them on either
+///     side;
+///   - the best correlation in it is taken, when it is good enough and comes back. Windows follow the slope of the
+///     surface: that of the nearest point, none, that of the model's triangle, or where none of these is enough the
+///     best of eight directions;
+///   - it is measured by least squares: disparity and its gradient, gain and offset of grey values;
+///   - spikes go: points that fewer than four of the 16 nearest bear out, until none goes. Two points bear each other
+///     out when the mean of their planes leads from one to the other within half a pixel and a tenth of their distance.
+///     (Karfis' filter takes mean and standard deviation in a circle, which never rejects anything among fewer than
+///     eleven points, nor a third of wrong ones; a median would reject roofs with few points and hide spikes on
+///     slopes.)
 /// Of more than two million points those of the largest corner measure are taken. Memory: the images and some 300 bytes
 /// a point. Same bits for any number of threads. Errors: images of different heights, fewer than three points of the
 /// guide that do not lie on a line, options, stopped.

@@ -119,6 +119,28 @@ TEST(LevelMatching, SpikesGoAndSlopesStay) {
   EXPECT_EQ(without_spikes({points.begin(), points.begin() + 5}).size(), 5u);  // too few to say
 }
 
+// Six points of a flat roof among those of the ground, 20 px apart: no median tells them from spikes.
+TEST(LevelMatching, ARoofOfFewPointsStays) {
+  std::vector<LevelPoint> points;
+  for (int y = 0; y < 20; ++y)
+    for (int x = 0; x < 20; ++x) {
+      const bool is_roof = x >= 8 && x <= 9 && y >= 8 && y <= 10;
+      points.push_back({{20.0 * x, 20.0 * y}, is_roof ? 55.0 : 40.0, 0, 1, 0.1});
+    }
+  EXPECT_EQ(without_spikes(points).size(), points.size());
+  points[5 * 20 + 5].disparity_px = 55;  // one by itself
+  EXPECT_EQ(without_spikes(points).size(), points.size() - 1);
+}
+
+// On a steep slope a point that lies off it goes, though by less than its neighbours lie apart.
+TEST(LevelMatching, ASpikeOnASlopeGoes) {
+  std::vector<LevelPoint> points;
+  for (int y = 0; y < 20; ++y)
+    for (int x = 0; x < 20; ++x) points.push_back({{6.0 * x, 6.0 * y}, 2.4 * x, 0, 1, 0.1, {0.4, 0}});
+  points[10 * 20 + 10].disparity_px += 2.6;
+  EXPECT_EQ(without_spikes(points).size(), points.size() - 1);
+}
+
 TEST(LevelMatching, RefusesWhatCannotGuide) {
   const Pair pair(0);
   EXPECT_FALSE(match_by_levels(pair.left, pair.right, {}, kExact, {}, {}));

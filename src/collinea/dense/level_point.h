@@ -11,7 +11,8 @@ struct LevelPoint {
   double disparity_px = 0;  ///< column left less column right
   double row_px = 0;        ///< row right less row left: y-parallax
   double ncc = 0;
-  double sigma_px = 0;  ///< of the disparity, by what the grey values left
+  double sigma_px = 0;                ///< of the disparity, by what the grey values left
+  Eigen::Vector2d gradient = {0, 0};  ///< of the disparity, along columns and rows
 };
 
 }  // namespace collinea

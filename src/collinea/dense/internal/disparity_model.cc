@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/dense/internal/disparity_model.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <utility>
 
@@ -55,12 +56,36 @@ std::optional<double> DisparityModel::at(const Eigen::Vector2d& position) const 
   return disparity_px;
 }
 
+std::optional<Eigen::Vector2d> DisparityModel::gradient_at(const Eigen::Vector2d& position) const {
+  const auto found = triangles_.find(position);
+  if (!found) return std::nullopt;
+  const auto& corners = triangles_.triangles()[std::size_t(found->triangle)].corners;
+  const LevelPoint& first = points_[std::size_t(corners[0])];
+  Eigen::Matrix2d sides;
+  Eigen::Vector2d rises;
+  for (int i = 0; i < 2; ++i) {
+    const LevelPoint& other = points_[std::size_t(corners[std::size_t(i) + 1])];
+    sides.row(i) = (other.left_px - first.left_px).transpose();
+    rises[i] = other.disparity_px - first.disparity_px;
+  }
+  const Eigen::Vector2d gradient = sides.inverse() * rises;
+  if (!gradient.allFinite()) return std::nullopt;
+  return gradient.cwiseMax(-kSteepest).cwiseMin(kSteepest);
+}
+
+const LevelPoint& DisparityModel::nearest(const Eigen::Vector2d& position) const {
+  return points_[squares_.nearest(position, 1).front()];
+}
+
 DisparityInterval DisparityModel::around(const Eigen::Vector2d& at, double square_px) const {
   DisparityInterval searched = interval(at, square_px / 2);
   if (const auto predicted = this->at(at)) {
     searched.low_px = std::min(searched.low_px, *predicted);
     searched.high_px = std::max(searched.high_px, *predicted);
   }
+  const double beyond = kSteepest * (nearest(at).left_px - at).norm();
+  searched.low_px -= beyond;
+  searched.high_px += beyond;
   return searched;
 }
 

@@ -18,6 +18,9 @@ struct DisparityInterval {
   double low_px, high_px;
 };
 
+/// Steepest disparities that are looked for: a slope of 45 degrees where the base is half the distance.
+constexpr double kSteepest = 0.5;
+
 /// Where points lie in the left image.
 [[nodiscard]] std::vector<Eigen::Vector2d> left_positions(std::span<const LevelPoint> points);
 
@@ -30,7 +33,13 @@ class DisparityModel {
   /// On the plane of the triangle there; nothing outside all of them.
   [[nodiscard]] std::optional<double> at(const Eigen::Vector2d& position) const;
 
-  /// What a square round a position holds, and what the triangle there says.
+  /// Of that plane, within kSteepest; nothing outside all triangles.
+  [[nodiscard]] std::optional<Eigen::Vector2d> gradient_at(const Eigen::Vector2d& position) const;
+  /// The point nearest to a position.
+  [[nodiscard]] const LevelPoint& nearest(const Eigen::Vector2d& position) const;
+
+  /// What a square round a position holds, and what the triangle there says; the farther away the nearest point, the
+  /// more beyond: kSteepest times that distance.
   [[nodiscard]] DisparityInterval around(const Eigen::Vector2d& at, double square_px) const;
 
  private:

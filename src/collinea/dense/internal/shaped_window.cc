@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/dense/internal/shaped_window.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "collinea/dense/internal/row_correlation.h"
+
+namespace collinea {
+namespace {
+
+using Vector5d = Eigen::Matrix<double, 5, 1>;
+using Matrix5d = Eigen::Matrix<double, 5, 5>;
+
+constexpr double kLevel = 0.01;      // gradients below are none: a tenth of a pixel over half a window
+constexpr double kLeastScale = 0.3;  // of the resampled columns
+constexpr int kIterations = 12;
+constexpr int kAlike_px = 3;  // within which errors of grey values are taken as alike
+constexpr double kSettled_px = 0.003, kFarthest_px = 1, kLimit = 1;
+
+// Value and derivative between the pixels of a row, by Catmull and Rom's cubic; nothing where a pixel shows nothing.
+struct Sample {
+  float value = 0, slope = 0;
+};
+std::optional<Sample> sample(const std::uint8_t* row, int width, double column) {
+  const double at = column - 0.5;
+  const int i = int(std::floor(at));
+  if (i < 1 || i + 2 >= width) return std::nullopt;
+  const float a = row[i - 1], b = row[i], c = row[i + 1], d = row[i + 2];
+  if (a == 0 || b == 0 || c == 0 || d == 0) return std::nullopt;
+  const float t = float(at - i);
+  const float k1 = 0.5F * (c - a), k2 = a - 2.5F * b + 2 * c - 0.5F * d, k3 = 0.5F * (d - a) + 1.5F * (b - c);
+  return Sample{b + t * (k1 + t * (k2 + t * k3)), k1 + t * (2 * k2 + t * 3 * k3)};
+}
+
+// The right image along sheared and stretched columns: column i of the patch at `row` of the image shows the column
+// first + scale i - shear (row - middle row).
+struct Patch {
+  GreyImage image;
+  double first, scale, shear;
+  int top, middle;
+
+  Patch(const GreyImage& right, int y, int half, const ShapedSearch& search, double low_column, double high_column)
+      : scale(std::max(kLeastScale, 1 - search.gradient.x())),
+        shear(search.gradient.y()),
+        top(y - search.rows - half - 1),
+        middle(y) {
+    const int margin = half + 2;
+    first = low_column - scale * margin;
+    const int columns = int(std::ceil((high_column - low_column) / scale)) + 1 + 2 * margin;
+    image = GreyImage(columns, 2 * (search.rows + half + 1) + 1, 1);
+    for (int j = 0; j < image.height; ++j) {
+      const int row = top + j;
+      if (row < 0 || row >= right.height) continue;
+      for (int i = 0; i < columns; ++i)
+        if (const auto found = sample(right.row(row), right.width, column_at(i + 0.5, row)))
+          image.at(i, j) = std::uint8_t(std::clamp(found->value + 0.5F, 1.0F, 255.0F));
+    }
+  }
+
+  [[nodiscard]] double column_at(double i, double row) const {
+    return first + scale * (i - 0.5) - shear * (row - middle);
+  }
+};
+
+std::optional<LevelPoint> match_level(const GreyImage& left, const Eigen::Vector2i& pixel, int half,
+                                      const GreyImage& right, const ShapedSearch& search, int reach) {
+  const SearchBand band{int(std::floor(pixel.x() - search.high_px)), int(std::ceil(pixel.x() - search.low_px)),
+                        pixel.y() - search.rows, pixel.y() + search.rows};
+  const auto found = best_correlation(left, pixel, half, right, band);
+  if (!found) return std::nullopt;
+  const auto back =
+      best_correlation(right, found->pixel, half, left,
+                       {pixel.x() - reach, pixel.x() + reach, pixel.y() - search.rows, pixel.y() + search.rows});
+  if (!back || (back->pixel - pixel).cast<double>().norm() > search.return_px) return std::nullopt;
+  return LevelPoint{pixel.cast<double>() + Eigen::Vector2d(0.5, 0.5), pixel.x() - found->position_px.x() + 0.5,
+                    found->position_px.y() - 0.5 - pixel.y(), found->ncc, found->sigma_px};
+}
+
+// Normal equations of offset, gain, and the plane of a window, and what they are made of, row by row.
+struct PlaneFit {
+  std::vector<Vector5d> rows;
+  std::vector<double> values;
+  Matrix5d normal = Matrix5d::Zero();
+  Vector5d right_side = Vector5d::Zero();
+  double squares = 0, sum = 0;
+  int count = 0;
+
+  void add(double left, const Sample& right, double u, double v) {
+    const Vector5d row((Vector5d() << 1, right.value, -right.slope, -right.slope * u, -right.slope * v).finished());
+    rows.push_back(row);
+    values.push_back(left);
+    normal += row * row.transpose();
+    right_side += left * row;
+    squares += left * left;
+    sum += left;
+    ++count;
+  }
+};
+
+// Variance of an unknown that is the sum of weights h times grey values, whose errors are alike within kAlike_px:
+// grain, optics and resampling make neighbours so. With r the residuals,
+//     sum over lags of  mean(r_i r_i+lag)  sum(h_i h_i+lag),
+// and no less than errors of single pixels would make it.
+double alike_variance(const std::vector<double>& h, const std::vector<double>& r, int side, double single) {
+  double sum = 0;
+  for (int dv = 0; dv <= kAlike_px; ++dv)
+    for (int du = dv == 0 ? 0 : -kAlike_px; du <= kAlike_px; ++du) {
+      double weights = 0, residuals = 0;
+      for (int v = 0; v + dv < side; ++v)
+        for (int u = std::max(0, -du); u < std::min(side, side - du); ++u) {
+          const std::size_t i = std::size_t(v * side + u), j = std::size_t((v + dv) * side + u + du);
+          weights += h[i] * h[j];
+          residuals += r[i] * r[j];
+        }
+      const double pairs = double(side - dv) * (side - std::abs(du));
+      sum += (dv == 0 && du == 0 ? 1 : 2) * weights * residuals / pairs;
+    }
+  return std::max(sum, single);
+}
+
+// Standard deviation of the disparity of a fit.
+double sigma_of(const PlaneFit& fit, const Vector5d& found, const Vector5d& by, int side, double residual) {
+  std::vector<double> h, r;
+  for (std::size_t i = 0; i < fit.rows.size(); ++i) {
+    h.push_back(by.dot(fit.rows[i]));
+    r.push_back(fit.values[i] - found.dot(fit.rows[i]));
+  }
+  const double single = residual / (fit.count - 5) * by[2];
+  return std::sqrt(alike_variance(h, r, side, single)) / found[1];
+}
+
+std::optional<PlaneFit> fit_of(const GreyImage& left, int half, const GreyImage& right, const LevelPoint& at) {
+  const int x = int(at.left_px.x()), y = int(at.left_px.y()), row = y + int(std::lround(at.row_px));
+  if (x < half || y < half || x + half >= left.width || y + half >= left.height || row < half ||
+      row + half >= right.height)
+    return std::nullopt;
+  PlaneFit fit;
+  for (int v = -half; v <= half; ++v)
+    for (int u = -half; u <= half; ++u) {
+      const double column = x + 0.5 + u - at.disparity_px - at.gradient.x() * u - at.gradient.y() * v;
+      const auto found = sample(right.row(row + v), right.width, column);
+      const int grey = left.at(x + u, y + v);
+      if (!found || grey == 0) return std::nullopt;
+      fit.add(grey, *found, u, v);
+    }
+  return fit;
+}
+
+}  // namespace
+
+std::optional<LevelPoint> match_shaped(const GreyImage& left, const Eigen::Vector2i& pixel, int half,
+                                       const GreyImage& right, const ShapedSearch& search) {
+  const int reach = int(std::ceil((search.high_px - search.low_px) / 2)) + 2;
+  if (search.gradient.cwiseAbs().maxCoeff() < kLevel) return match_level(left, pixel, half, right, search, reach);
+  const double x = pixel.x() + 0.5;
+  const Patch patch(right, pixel.y(), half, search, x - search.high_px, x - search.low_px);
+  const int inner = half + 1;
+  const auto found = best_correlation(left, pixel, half, patch.image,
+                                      {inner, patch.image.width - 1 - inner, inner, patch.image.height - 1 - inner});
+  if (!found) return std::nullopt;
+  const auto back =
+      best_correlation(patch.image, found->pixel, half, left,
+                       {pixel.x() - reach, pixel.x() + reach, pixel.y() - search.rows, pixel.y() + search.rows});
+  if (!back || (back->pixel - pixel).cast<double>().norm() > search.return_px) return std::nullopt;
+  const double row = patch.top + found->position_px.y() - 0.5;
+  return LevelPoint{{x, pixel.y() + 0.5},
+                    x - patch.column_at(found->position_px.x(), patch.top + found->pixel.y()),
+                    row - pixel.y(),
+                    found->ncc,
+                    found->sigma_px * patch.scale,
+                    search.gradient};
+}
+
+std::optional<LevelPoint> fitted_plane(const GreyImage& left, int half, const GreyImage& right,
+                                       const LevelPoint& start) {
+  LevelPoint point = start;
+  for (int i = 0; i < kIterations; ++i) {
+    const auto fit = fit_of(left, half, right, point);
+    if (!fit) return std::nullopt;
+    const Eigen::LDLT<Matrix5d> solver(fit->normal);
+    const Vector5d found = solver.solve(fit->right_side);
+    if (solver.info() != Eigen::Success || !found.allFinite() || !(found[1] > 0)) return std::nullopt;
+    const Eigen::Vector3d change = found.tail<3>() / found[1];
+    point.disparity_px += change[0];
+    point.gradient += change.tail<2>();
+    if (std::abs(point.disparity_px - start.disparity_px) > kFarthest_px ||
+        point.gradient.cwiseAbs().maxCoeff() > kLimit)
+      return std::nullopt;
+    if (std::abs(change[0]) > kSettled_px || change.tail<2>().cwiseAbs().maxCoeff() * half > 10 * kSettled_px) continue;
+    const double residual = std::max(fit->squares - found.dot(fit->right_side), 0.0);
+    const double total = fit->squares - fit->sum * fit->sum / fit->count;
+    point.ncc = std::sqrt(std::max(0.0, 1 - residual / total));
+    const Vector5d by = solver.solve(Vector5d::Unit(2));
+    point.sigma_px = sigma_of(*fit, found, by, 2 * half + 1, residual);
+    return point;
+  }
+  return std::nullopt;
+}
+
+}  // namespace collinea

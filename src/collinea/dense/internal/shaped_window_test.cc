@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/dense/internal/shaped_window.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "collinea/math/random.h"
+
+namespace collinea {
+namespace {
+
+constexpr int kWidth = 300, kHeight = 120;
+
+// A sum of waves in all directions, none shorter than six pixels: its value between pixels is known.
+struct Waves {
+  std::array<double, 60> a, b, phase;
+
+  explicit Waves(std::uint64_t seed) {
+    Random random(seed);
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      const double length = random.uniform(6, 24), direction = random.uniform(0, 6.283);
+      a[i] = 6.283 / length * std::cos(direction);
+      b[i] = 6.283 / length * std::sin(direction);
+      phase[i] = random.uniform(0, 6.283);
+    }
+  }
+  [[nodiscard]] double operator()(double x, double y) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += std::cos(a[i] * x + b[i] * y + phase[i]);
+    return 128 + 8 * sum;
+  }
+};
+
+// Standard deviation 1; grain is white noise under weights 1 2 1 along rows and columns.
+FloatImage noise_of(Random random, bool is_grain) {
+  FloatImage white(kWidth, kHeight, 1);
+  for (float& value : white.data) value = float(random.normal());
+  if (!is_grain) return white;
+  FloatImage grain(kWidth, kHeight, 1);
+  for (int y = 1; y + 1 < kHeight; ++y)
+    for (int x = 1; x + 1 < kWidth; ++x)
+      for (int k = 0; k < 9; ++k)
+        grain.at(x, y) +=
+            float((2 - std::abs(k % 3 - 1)) * (2 - std::abs(k / 3 - 1))) / 6 * white.at(x + k % 3 - 1, y + k / 3 - 1);
+  return grain;
+}
+
+// A plane of disparities, d = 20 + gradient . (x - 150, y - 60): the left column of a right one in closed form.
+struct PlanePair {
+  Eigen::Vector2d gradient;
+  GreyImage left{kWidth, kHeight, 1}, right{kWidth, kHeight, 1};
+
+  PlanePair(const Eigen::Vector2d& g, double noise_grey, std::uint64_t seed, bool is_grain = false) : gradient(g) {
+    const Waves waves(seed);
+    const FloatImage noise[] = {noise_of(Random(seed, 1), is_grain), noise_of(Random(seed, 2), is_grain)};
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const double v = y + 0.5, c = x + 0.5;
+        int image = 0;
+        const auto grey = [&](double value) {
+          value += noise_grey * double(noise[image++].at(x, y));
+          return std::uint8_t(std::clamp(std::lround(value), 1L, 255L));
+        };
+        left.at(x, y) = grey(waves(c, v));
+        // c = u - 20 - gx (u - 150) - gy (v - 60)
+        right.at(x, y) = grey(0.9 * waves((c + 20 - g.x() * 150 + g.y() * (v - 60)) / (1 - g.x()), v) + 9);
+      }
+  }
+  [[nodiscard]] double disparity(const Eigen::Vector2i& pixel) const {
+    return 20 + gradient.dot(pixel.cast<double>() + Eigen::Vector2d(0.5 - 150, 0.5 - 60));
+  }
+};
+
+constexpr int kHalf = 10;
+ShapedSearch search_of(double low, double high) { return {.low_px = low, .high_px = high, .rows = 1}; }
+
+TEST(ShapedWindow, FindsWhatASquareOneDoesNot) {
+  const PlanePair pair({0.4, -0.3}, 2, 3);
+  int level = 0, shaped = 0, count = 0;
+  for (int y = 30; y < 90; y += 12)
+    for (int x = 90; x < 210; x += 12, ++count) {
+      const Eigen::Vector2i pixel(x, y);
+      ShapedSearch search = search_of(pair.disparity(pixel) - 9.3, pair.disparity(pixel) + 8.1);
+      const auto square = match_shaped(pair.left, pixel, kHalf, pair.right, search);
+      level += square && square->ncc > 0.8;
+      search.gradient = pair.gradient;
+      const auto found = match_shaped(pair.left, pixel, kHalf, pair.right, search);
+      if (!found || found->ncc < 0.95) continue;
+      ++shaped;
+      // The top of a parabola through correlations a pixel apart.
+      EXPECT_NEAR(found->disparity_px, pair.disparity(pixel), 0.15);
+      EXPECT_NEAR(found->row_px, 0, 0.5);  // the right row
+    }
+  EXPECT_LT(level, count / 10);
+  EXPECT_GT(shaped, 9 * count / 10);
+}
+
+// From a start that is half a pixel off and has no slope the fit comes to the disparity of the middle of the window,
+// and its errors are as large as it says, of noise that is alike over neighbours, too: the mean square of error over
+// sigma of 180 independent windows has the standard deviation sqrt(2 / 180) = 0.11, and that of the estimated variances
+// (some 100 independent residuals each) adds little. Interpolation keeps noise of long waves, which moves the
+// disparity, and takes some of the short ones from the residuals: a fifth of the variance. Three standard deviations.
+void expect_true_errors(bool is_grain) {
+  double squares = 0, bias = 0;
+  int count = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const PlanePair pair({0.08, -0.05}, 4, seed, is_grain);
+    for (int y = 35; y < 90; y += 25)
+      for (int x = 120; x < 180; x += 25) {
+        const Eigen::Vector2i pixel(x, y);
+        const LevelPoint start{{x + 0.5, y + 0.5}, pair.disparity(pixel) + 0.5, 0, 1, 0};
+        const auto found = fitted_plane(pair.left, kHalf, pair.right, start);
+        ASSERT_TRUE(found);
+        const double error = (found->disparity_px - pair.disparity(pixel)) / found->sigma_px;
+        squares += error * error;
+        bias += error;
+        ++count;
+        EXPECT_NEAR(found->gradient.x(), 0.08, 0.03);
+        EXPECT_NEAR(found->gradient.y(), -0.05, 0.03);
+      }
+  }
+  EXPECT_GT(squares / count, 1 - 0.33);
+  EXPECT_LT(squares / count, 1.2 + 0.33);
+  EXPECT_NEAR(bias / count, 0, 4 / std::sqrt(count));
+}
+
+TEST(ShapedWindow, TheFitErrsAsItSays) { expect_true_errors(false); }
+TEST(ShapedWindow, TheFitErrsAsItSaysInGrain) { expect_true_errors(true); }
+
+TEST(ShapedWindow, TheFitRefusesWhatDoesNotSettle) {
+  const PlanePair pair({0, 0}, 2, 8);
+  EXPECT_FALSE(fitted_plane(pair.left, kHalf, pair.right, {{150.5, 60.5}, 27, 0, 1, 0}));  // seven pixels off
+  EXPECT_FALSE(fitted_plane(pair.left, kHalf, pair.right, {{4.5, 60.5}, 20, 0, 1, 0}));    // beyond the border
+  EXPECT_FALSE(fitted_plane(GreyImage(kWidth, kHeight, 1, 90), kHalf, pair.right, {{150.5, 60.5}, 20, 0, 1, 0}));
+}
+
+}  // namespace
+}  // namespace collinea

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/jobs/internal/pair_sigma.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "collinea/dense/working_images.h"
+#include "collinea/math/random.h"
+
+namespace collinea {
+namespace {
+
+constexpr double kFocal_px = 1500, kHeight_m = 1000, kBase_m = 550, kPointSigma_px = 0.1, kControlSigma_px = 0.3,
+                 kGroundSigma_m = 0.05;
+constexpr int kSide_px = 2000, kPoints = 120, kControl = 6;
+
+// A pair that looks down, a little tilted, at hills.
+struct Flight {
+  PairImages images;
+  std::array<Rigid3, 2> cam_from_ground;
+  std::vector<Eigen::Vector3d> ground;  // points of the orientation, then the control, then those to be judged
+
+  Flight() {
+    images.left_camera = images.right_camera = ideal_camera(kFocal_px, kSide_px, kSide_px);
+    for (int i = 0; i < 2; ++i) {
+      const Eigen::Quaterniond down(0, 1, 0, 0);
+      const Eigen::Quaterniond tilt(Eigen::AngleAxisd(0.02 - 0.05 * i, Eigen::Vector3d(1, 2, -1).normalized()));
+      Rigid3& pose = cam_from_ground[std::size_t(i)];
+      pose.rotation = (tilt * down).normalized();
+      pose.translation = -(pose.rotation * Eigen::Vector3d((i - 0.5) * kBase_m, 10.0 * i, kHeight_m + 5 * i));
+    }
+    Random random(3);
+    while (ground.size() < kPoints + kControl + 9) {
+      const std::size_t n = ground.size();
+      double x = random.uniform(-350, 350), y = random.uniform(-600, 600);
+      if (n >= kPoints + kControl) {  // a grid, also between and beyond the control
+        x = 170.0 * double(int(n - kPoints - kControl) % 3 - 1);
+        y = 400.0 * double(int(n - kPoints - kControl) / 3 - 1);
+      }
+      ground.emplace_back(x, y, 60 * std::sin(x / 150) * std::cos(y / 210));
+    }
+  }
+
+  [[nodiscard]] Rigid3 right_from_left() const { return cam_from_ground[1] * inverse(cam_from_ground[0]); }
+  [[nodiscard]] Eigen::Vector2d pixel(int image, std::size_t point) const {
+    return *project(images.left_camera, cam_from_ground[std::size_t(image)] * ground[point]);
+  }
+};
+
+Eigen::Vector2d noise(Random& random, double sigma) {
+  const double x = random.normal(), y = random.normal();
+  return sigma * Eigen::Vector2d(x, y);
+}
+
+Result<RelativeOrientation> measured_orientation(const Flight& flight, Random& random) {
+  std::vector<PairPoint> points;
+  const double sigma = kPointSigma_px / kFocal_px;
+  for (std::size_t i = 0; i < kPoints; ++i)
+    points.push_back({normalized(flight.images.left_camera, flight.pixel(0, i) + noise(random, kPointSigma_px)),
+                      normalized(flight.images.right_camera, flight.pixel(1, i) + noise(random, kPointSigma_px)), sigma,
+                      sigma});
+  RelativeOptions options;
+  options.rejection = PairRejection::kNone;
+  options.sigma_known = true;
+  Rigid3 start = flight.right_from_left();
+  start.translation.normalize();
+  return relative_orientation(points, options, 1, start);
+}
+
+PairControl measured_control(const Flight& flight, Random& random) {
+  PairControl control{.file = {}, .names = {}, .pixels = {}, .sigma_px = kControlSigma_px, .points = {}};
+  for (std::size_t i = kPoints; i < kPoints + kControl; ++i) {
+    control.names.push_back(std::to_string(i));
+    control.pixels.push_back(
+        {flight.pixel(0, i) + noise(random, kControlSigma_px), flight.pixel(1, i) + noise(random, kControlSigma_px)});
+    AbsoluteControl point;
+    const Eigen::Vector2d plan = noise(random, kGroundSigma_m);
+    point.in_ground = flight.ground[i] + Eigen::Vector3d(plan.x(), plan.y(), kGroundSigma_m * random.normal());
+    point.ground_covariance = kGroundSigma_m * kGroundSigma_m * Eigen::Matrix3d::Identity();
+    control.points.push_back(point);
+  }
+  return control;
+}
+
+// Errors of nine ground points whose image points are exact: all that is wrong comes from the orientations.
+struct Judged {
+  double squares = 0;  // mean of error over sigma, of heights
+  double sigma_m = 0;  // quadratic mean
+};
+std::optional<Judged> judged(const Flight& flight, Random& random, bool has_control) {
+  const auto orientation = measured_orientation(flight, random);
+  if (!orientation) return std::nullopt;
+  const double base = has_control ? 1 : flight.right_from_left().translation.norm();
+  std::optional<PairControl> control;
+  std::optional<AbsoluteOrientation> absolute;
+  Rigid3 found = orientation->second_from_first;
+  found.translation *= base;
+  if (has_control) {
+    control = measured_control(flight, random);
+    absolute = *oriented_absolutely(*control, flight.images, found);
+  }
+  const EpipolarPair cameras = *epipolar_pair(flight.images.left_camera, {}, flight.images.right_camera, found);
+  std::vector<LevelPoint> points;
+  for (std::size_t i = kPoints + kControl; i < flight.ground.size(); ++i) {
+    const Eigen::Vector2d left =
+        in_epipolar(flight.images.left_camera, cameras.left_from_image, cameras.left, flight.pixel(0, i));
+    const Eigen::Vector2d right =
+        in_epipolar(flight.images.right_camera, cameras.right_from_image, cameras.right, flight.pixel(1, i));
+    points.push_back({left, left.x() - right.x(), 0, 1, 0});
+  }
+  const auto sigma = PairOrientationSigma::of(flight.images, *orientation, cameras, control, absolute, points);
+  if (!sigma) return std::nullopt;
+  Judged result;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d in_left =
+        inverse(cameras.left_from_world) *
+        (cameras.depth_at(points[i].disparity_px) * normalized(cameras.left, points[i].left_px).homogeneous());
+    const Eigen::Vector3d truth = flight.ground[kPoints + kControl + i];
+    const double error = has_control ? (absolute->ground_from_model * in_left - truth).z()
+                                     : (in_left - flight.cam_from_ground[0] * truth).z();
+    const double variance = sigma->covariance(points[i].left_px, points[i].disparity_px)(2, 2);
+    result.squares += error * error / variance / double(points.size());
+    result.sigma_m += variance / double(points.size());
+  }
+  result.sigma_m = std::sqrt(result.sigma_m);
+  return result;
+}
+
+// Over 200 flights the mean square of error over sigma is 1. Heights of one flight hang together: about three of nine
+// are independent, so that the mean has the standard deviation sqrt(2 / 600) = 0.058; four of them.
+void expect_true_sigmas(bool has_control) {
+  const Flight flight;
+  constexpr int kFlights = 200;
+  double sum = 0, sigmas = 0;
+  for (int i = 0; i < kFlights; ++i) {
+    Random random(17, std::uint64_t(i));
+    const auto found = judged(flight, random, has_control);
+    ASSERT_TRUE(found);
+    sum += found->squares / kFlights;
+    sigmas += found->sigma_m / kFlights;
+  }
+  EXPECT_NEAR(sum, 1, 0.23);
+  EXPECT_GT(sigmas, 0.02);  // a tenth of a pixel is 0.12 m of height; of many points less
+  EXPECT_LT(sigmas, 0.5);
+}
+
+TEST(PairSigma, OrientationErrorsOnTheGroundAreAsLargeAsStated) { expect_true_sigmas(true); }
+TEST(PairSigma, WithoutControlTheyAreThoseOfTheModel) { expect_true_sigmas(false); }
+
+// Six points of control alone fix heights worse than what the sigmas without the orientation say: the part by the
+// relative orientation counts.
+TEST(PairSigma, IsLargerBeyondTheControl) {
+  const Flight flight;
+  Random random(5);
+  const auto orientation = measured_orientation(flight, random);
+  ASSERT_TRUE(orientation);
+  PairControl control = measured_control(flight, random);
+  const auto absolute = oriented_absolutely(control, flight.images, orientation->second_from_first);
+  ASSERT_TRUE(absolute);
+  const EpipolarPair cameras =
+      *epipolar_pair(flight.images.left_camera, {}, flight.images.right_camera, orientation->second_from_first);
+  const double disparity = cameras.disparity_at(kHeight_m / kBase_m);
+  const auto sigma = PairOrientationSigma::of(flight.images, *orientation, cameras, control, *absolute,
+                                              {{{0, 0}, disparity, 0, 1, 0}, {{0, 0}, 1.05 * disparity, 0, 1, 0}});
+  ASSERT_TRUE(sigma);
+  const Eigen::Vector2d middle(cameras.left.width_px * 0.6, cameras.left.height_px * 0.5);
+  EXPECT_GT(sigma->covariance({middle.x(), 0}, disparity)(2, 2), sigma->covariance(middle, disparity)(2, 2));
+}
+
+}  // namespace
+}  // namespace collinea
