@@ -26,7 +26,7 @@ struct PairImages {
                                            const std::filesystem::path& folder, const PairChainOptions& options,
                                            const Run& run);
 
-/// Points as the relative orientation takes them.
+/// Points as the relative orientation takes them; sigma_px is that of a point of the sigma 1.
 [[nodiscard]] std::vector<PairPoint> normalised(const std::vector<MatchedPoint>& points, const PairImages& images,
                                                 double sigma_px);
 
@@ -35,7 +35,8 @@ struct PairImages {
                                                   const PairImages& images, const RelativeOptions& options,
                                                   std::uint64_t seed);
 
-/// Right positions by least squares matching; points where it finds nothing are dropped.
+/// Right positions by least squares matching, with standard deviations such that the mean weight is 1; points where it
+/// finds nothing are dropped.
 [[nodiscard]] std::vector<MatchedPoint> refined(const std::vector<MatchedPoint>& points, const PairImages& images,
                                                 const Run& run);
 
