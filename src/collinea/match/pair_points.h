@@ -49,6 +49,7 @@ struct PairPointOptions {
 struct MatchedPoint {
   Eigen::Vector2d left_px, right_px;
   double ncc = 0;
+  double sigma_px = 1;  ///< of a coordinate, against those of the other points: its weight in the orientation
 };
 
 /// A stage from small images to the whole ones.

@@ -80,15 +80,11 @@ std::string unit_of(std::string_view parameter) {
   return parameter == "offset" ? "grey" : "";
 }
 
-// Titles of the covariances of the parameters: the upper triangle, row by row.
+// Titles of the covariances of the parameters: the upper triangle, row by row, in the products of their units.
 void add_covariance_titles(const std::vector<std::string_view>& names, TextTable& table) {
   for (std::size_t i = 0; i < names.size(); ++i)
-    for (std::size_t k = i; k < names.size(); ++k) {
-      const std::string a = unit_of(names[i]), b = unit_of(names[k]);
-      std::string unit = a.empty() ? b : a;
-      if (!a.empty() && !b.empty()) unit = a == b ? a + "2" : a + "*" + b;
-      table.columns.push_back({fmt::format("cov_{}_{}", names[i], names[k]), unit});
-    }
+    for (std::size_t k = i; k < names.size(); ++k)
+      table.columns.push_back({fmt::format("cov_{}_{}", names[i], names[k]), ""});
 }
 
 std::vector<std::string> refined_cells(const WindowMatch& m) {

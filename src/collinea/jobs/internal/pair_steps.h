@@ -52,7 +52,7 @@ struct PairModel {
   [[nodiscard]] Rigid3 right_from_left() const;  ///< with the base of the epipolar pair
 };
 
-/// Points as the relative orientation takes them.
+/// Points as the relative orientation takes them; sigma_px is that of a point of the sigma 1.
 [[nodiscard]] std::vector<PairPoint> normalised(const std::vector<MatchedPoint>& points, const Camera& left,
                                                 const Camera& right, double sigma_px);
 
@@ -61,7 +61,8 @@ struct PairModel {
                                                   const PairImages& images, const RelativeOptions& options,
                                                   std::uint64_t seed);
 
-/// Right positions by least squares matching; points where it finds nothing are dropped.
+/// Right positions by least squares matching, with standard deviations such that the mean weight is 1; points where it
+/// finds nothing are dropped.
 [[nodiscard]] std::vector<MatchedPoint> refined(const std::vector<MatchedPoint>& points, const PairImages& images,
                                                 const Run& run);
 
