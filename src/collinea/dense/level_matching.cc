@@ -51,7 +51,7 @@ class LevelMatcher {
 };
 
 // Planes that the surface at a pixel may have: that of the nearest point, none, that of the model's triangle, which may
-// span a wall; and where none of these is right, one of slopes in all directions.
+// span a wall; and where no point lies within a window, so that nothing tells, slopes in all directions.
 std::optional<LevelPoint> LevelMatcher::best_shape(const Eigen::Vector2i& pixel, const DisparityModel& model, int half,
                                                    ShapedSearch search) const {
   const Eigen::Vector2d at = pixel.cast<double>() + Eigen::Vector2d(0.5, 0.5);
@@ -62,11 +62,13 @@ std::optional<LevelPoint> LevelMatcher::best_shape(const Eigen::Vector2i& pixel,
     if (found && (!best || found->ncc > best->ncc)) best = found;
   };
   const auto is_enough = [&](double ncc) { return best && best->ncc >= ncc; };
-  attempt(model.nearest(at).gradient.cwiseMax(-kSteepest).cwiseMin(kSteepest));
+  const LevelPoint& nearest = model.nearest(at);
+  attempt(nearest.gradient.cwiseMax(-kSteepest).cwiseMin(kSteepest));
   if (is_enough(kSurely)) return best;
-  if (model.nearest(at).gradient != Eigen::Vector2d::Zero()) attempt({0, 0});
+  if (nearest.gradient != Eigen::Vector2d::Zero()) attempt({0, 0});
   if (is_enough(options_.min_ncc)) return best;
   if (const auto gradient = model.gradient_at(at)) attempt(*gradient);
+  if ((nearest.left_px - at).norm() <= 2 * half + 1) return best;
   for (int i = 0; i < 9 && !is_enough(options_.min_ncc); ++i)
     if (i != 4) attempt(kTriedSlope * Eigen::Vector2d(i % 3 - 1, i / 3 - 1));
   return best;
