@@ -102,7 +102,9 @@ TEST(EnhanceJob, LeavesEmptyPixelsOutAndKeepsThemEmpty) {
       EXPECT_EQ(report->empty_share, 0.5);
       EXPECT_EQ(report->steps.front().histogram.total(), 64u * 20u);
       EXPECT_EQ(report->steps.back().histogram.total(), 64u * 20u);
-      if (contrast == Contrast::kStretch) EXPECT_EQ(report->black, 103);  // as without the empty half
+      if (contrast == Contrast::kStretch) {
+        EXPECT_EQ(report->black, 103);  // as without the empty half
+      }
       EXPECT_NE(enhance_text(*report).find("50.0 % of the pixels are empty"), std::string::npos);
       tables[k] = *read_file(folder / "out/statistics.txt");
       pictures[k] = *read_grey(folder / "out/enhanced.png");

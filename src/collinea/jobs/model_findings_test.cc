@@ -99,7 +99,6 @@ TEST(ModelFindings, ControlThatContradictsIsNamed) {
   ASSERT_TRUE(contradicts);
   EXPECT_EQ(contradicts->subjects.front(), Subject::control_named(name));
   EXPECT_TRUE(found(report, FindingCode::kResidualsLarge));
-  EXPECT_FALSE(found(report, FindingCode::kCheckPoint));
 }
 
 TEST(ModelFindings, ACheckPointThatContradictsIsNamed) {

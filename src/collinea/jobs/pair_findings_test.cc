@@ -32,7 +32,7 @@ struct PairScene {
       const Vector3d x = depth(random) * normalized(images.left_camera, left).homogeneous();
       const auto right = project(images.right_camera, second_from_first * x);
       if (!right || !inside(images.right_camera, *right) || !where(left)) continue;
-      const auto noise = [&] { return noise_px * Vector2d(random.normal(), random.normal()); };
+      const auto noise = [&]() -> Vector2d { return noise_px * Vector2d(random.normal(), random.normal()); };
       points.push_back({left + noise(), *right + noise(), 0.95});
     }
     auto oriented = oriented_by("lsm", points, images, {}, 1);
@@ -62,6 +62,10 @@ bool has(const std::vector<Finding>& findings, FindingCode code) {
   return std::ranges::find(findings, code, &Finding::code) != findings.end();
 }
 
+const Finding& named(const std::vector<Finding>& findings, FindingCode code) {
+  return *std::ranges::find(findings, code, &Finding::code);
+}
+
 TEST(PairFindings, OfAGoodPairThereAreNone) { EXPECT_EQ(codes_of(good().findings()), std::vector<FindingCode>{}); }
 
 TEST(PairFindings, FewPointsAreCounted) {
@@ -76,7 +80,7 @@ TEST(PairFindings, ZonesOfTheOverlapWithoutPointsAreCounted) {
   const auto above = [](const Vector2d& left) { return left.y() < 390; };
   const auto findings = PairScene(80, 0.07, above, hills).findings();
   ASSERT_TRUE(has(findings, FindingCode::kPairZonesEmpty));
-  const auto zones = *std::ranges::find(findings, FindingCode::kPairZonesEmpty, &Finding::code);
+  const Finding& zones = named(findings, FindingCode::kPairZonesEmpty);
   EXPECT_EQ(zones.figure(FigureName::kCount), 2);
   EXPECT_EQ(zones.figure(FigureName::kOf), 6);
 }
@@ -84,7 +88,7 @@ TEST(PairFindings, ZonesOfTheOverlapWithoutPointsAreCounted) {
 TEST(PairFindings, ParallaxesBeyondMatchingAreWrong) {
   const auto findings = PairScene(80, 0.6, everywhere, hills).findings();
   ASSERT_TRUE(has(findings, FindingCode::kPairParallax));
-  EXPECT_NEAR(*findings.front().figure(FigureName::kOffsetPx), 0.6, 0.2);
+  EXPECT_NEAR(*named(findings, FindingCode::kPairParallax).figure(FigureName::kOffsetPx), 0.6, 0.2);
   EXPECT_FALSE(has(PairScene(80, 0.2, everywhere, hills).findings(), FindingCode::kPairParallax));
 }
 
@@ -92,7 +96,9 @@ TEST(PairFindings, FlatGroundIsAWeakGeometry) {
   const auto flat = [](Random&) { return 2.5; };
   const auto findings = PairScene(80, 0.07, everywhere, flat).findings();
   ASSERT_TRUE(has(findings, FindingCode::kPairGeometry));
-  EXPECT_EQ(findings.front().detail, word_of(PairWeakness::kPlane));
+  // A narrow strip of a plane below the base is near a cylinder through it, too.
+  for (const Finding& finding : findings)
+    EXPECT_TRUE(finding.detail == "plane" || finding.detail == "near_cylinder") << finding.detail;
 }
 
 TEST(PairFindings, HeightsThatAreNotReachedAskForALongerBase) {
@@ -103,7 +109,7 @@ TEST(PairFindings, HeightsThatAreNotReachedAskForALongerBase) {
   EXPECT_FALSE(has(scene.findings({}, 0.31), FindingCode::kPairBase));
   const auto findings = scene.findings({}, 0.1);
   ASSERT_TRUE(has(findings, FindingCode::kPairBase));
-  EXPECT_NEAR(*findings.front().figure(FigureName::kRatio), 1 / 2.5, 0.05);
+  EXPECT_NEAR(*named(findings, FindingCode::kPairBase).figure(FigureName::kRatio), 1 / 2.5, 0.05);
   scene.report.has_base = false;  // in bases: nothing to compare
   EXPECT_FALSE(has(scene.findings({}, 0.1), FindingCode::kPairBase));
 }
@@ -115,9 +121,9 @@ TEST(PairFindings, ControlIsToLieInAllQuartersAndToAgree) {
   absolute.residuals.resize(4);
   scene.report.absolute = absolute;
   scene.report.control_names = {"A", "B", "C", "D"};
-  const std::vector<Vector2d> corners{{450, 100}, {700, 100}, {450, 500}, {700, 500}};
+  const std::vector<Vector2d> corners{{450, 100}, {760, 100}, {450, 500}, {760, 500}};
   EXPECT_EQ(codes_of(scene.findings(corners)), std::vector<FindingCode>{});
-  const std::vector<Vector2d> above{{450, 100}, {700, 100}, {500, 120}, {700, 150}};
+  const std::vector<Vector2d> above{{450, 100}, {760, 100}, {500, 120}, {760, 150}};
   const auto apart = scene.findings(above);
   ASSERT_TRUE(has(apart, FindingCode::kPairControlApart));
   EXPECT_EQ(apart.front().figure(FigureName::kCount), 2);

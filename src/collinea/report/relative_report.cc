@@ -11,6 +11,7 @@
 
 #include "collinea/geometry/rotation.h"
 #include "collinea/math/fisher.h"
+#include "collinea/report/single_step.h"
 
 namespace collinea {
 namespace {
