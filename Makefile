@@ -17,6 +17,7 @@ test: configured
 	@python3 tools/check_flags.py
 	@python3 tools/check_words.py
 	@python3 tools/check_terms.py
+	@python3 tools/check_numbers.py
 	@echo "== manual"
 	@python3 tools/manual_options.py --check
 	@echo "== tests"

@@ -92,6 +92,17 @@ TEST(Adjust, RobustLossKeepsOutliersFromDoingHarm) {
   EXPECT_GT(largest_centre_error(*spoiled, truth), 3 * largest_centre_error(*robust, truth));
 }
 
+// Mussio D.8 (4.3.7): 33 images (30 models in 3 strips) and 66 points have 6 * 33 + 3 * 66 = 396 = 12 * 33 unknowns
+// (E39: 12 to 15 an image, not 13 to 16); 2 observations a ray.
+TEST(Adjust, UnknownsOfMussioD8) {
+  const Block block = test_block({.rows = 3, .columns = 11, .points = 66});
+  const auto adjusted = adjust(block, {}, plain(), kRun);
+  ASSERT_TRUE(adjusted) << adjusted.error().message;
+  EXPECT_EQ(adjusted->unknown_count, 396);
+  EXPECT_EQ(adjusted->observation_count, 2 * long(block.observations.size()));
+  EXPECT_EQ(adjusted->redundancy, adjusted->observation_count - 396 + 7);
+}
+
 TEST(Adjust, TwoUnconnectedPartsHaveFourteenDefects) {
   Block block = test_block({.rows = 1, .columns = 3, .points = 60});
   const Block second = test_block({.rows = 1, .columns = 3, .points = 60, .seed = 5});

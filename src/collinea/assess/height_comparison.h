@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <optional>
 #include <string>
@@ -84,6 +85,11 @@ inline constexpr std::array<double, 4> kSlopeLimits_deg = {5, 15, 30, 45};
 /// the photograph, k = scale number = H / c.
 [[nodiscard]] inline double normal_case_sigma_m(double scale_number, double height_over_base, double sigma_image_m) {
   return scale_number * height_over_base * sigma_image_m;
+}
+
+/// The standard deviation [m] of the difference between a height and that of an independent reference (Karfis 8.2).
+[[nodiscard]] inline double difference_sigma_m(double sigma_m, double sigma_reference_m) {
+  return std::hypot(sigma_m, sigma_reference_m);
 }
 
 }  // namespace collinea

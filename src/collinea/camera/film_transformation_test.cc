@@ -89,6 +89,9 @@ TEST(FilmTransformation, AxisDirectionsAndTheRouteWithoutMarks) {
   EXPECT_LT((t.film_of({5000 + 1200, 4000}).value() - Vector2d(25.4, 0)).norm(), 1e-9);
   EXPECT_LT((t.film_of({5000, 4000 + 1200}).value() - Vector2d(0, -25.4)).norm(), 1e-9);
   EXPECT_TRUE(t.pixel_with_covariance({10, 10}).covariance.isZero());
+  // Karfis (1519, 1754): 400 dpi are 64 um (63.5); 550 dpi are 46.2 um, where he prints 49.
+  EXPECT_NEAR(without_marks({0, 0}, 25.4 / 400).film_of({1, 0}).value().x(), 0.0635, 5e-8);
+  EXPECT_NEAR(without_marks({0, 0}, 25.4 / 550).film_of({1, 0}).value().x(), 0.0462, 5e-5);
 }
 
 TEST(FilmTransformation, MarksThatDetermineNothingAreRefused) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "collinea/epipolar/relative_orientation.h"
+#include "collinea/epipolar/relative_search.h"
 #include "collinea/epipolar/scene_for_tests.h"
 
 namespace collinea {
@@ -134,9 +135,17 @@ TEST(PairShape, SixPointsOnACylinderHaveThePublishedNullVector) {
   EXPECT_LT((null - (Vector5() << -1000 / b, 0, 1, 0, 0).finished()).norm(), 1e-9);
 }
 
-// The linear equation of y-parallaxes on those points, rough by +-delta in turn; Mussio D.8 prints the smallest
-// singular values.
-TEST(PairShape, RoughnessRaisesTheSmallestSingularValueAsPublished) {
+// The linear equation of y-parallaxes of a point (x, y) at the distance h from a base b, at the scale of the object:
+// its coefficients of by [length], bz [1], omega, phi, kappa [rad].
+Vector5 parallax_at_object(double x, double y, double h, double b) {
+  Vector5 row = -h * parallax_equation({{x / h, -y / h}, {(x - b) / h, -y / h}}).coefficients;
+  row(0) /= b;
+  row(1) /= b;
+  return row;
+}
+
+// Mussio D.8: those points, rough by +-delta in turn, and the smallest singular values of the design matrix.
+TEST(PairShape, RoughnessRaisesTheSmallestSingularValueAsInMussioD8) {
   const double b = 600, a = 400, r = 500;
   const double published[][2] = {{5, 0.001437}, {25, 0.007079}, {50, 0.013931}, {100, 0.027231}};
   for (const auto& [delta, value] : published) {
@@ -145,29 +154,49 @@ TEST(PairShape, RoughnessRaisesTheSmallestSingularValueAsPublished) {
     for (int i = 0; i < 6; ++i) {
       const double x = xy[i][0], y = xy[i][1];
       const double h = r + std::sqrt(r * r - y * y) - (i % 2 == 0 ? delta : -delta);
-      design.row(i) << 1, y / h, h * (1 + y * y / (h * h)), (b - x) * y / h, -(b - x);
+      design.row(i) = parallax_at_object(x, y, h, b).transpose();
     }
-    EXPECT_NEAR(Eigen::JacobiSVD<Eigen::MatrixXd>(design).singularValues()(4), value, 1e-6);
+    EXPECT_NEAR(Eigen::JacobiSVD<Eigen::MatrixXd>(design).singularValues()(4), value, 5e-7);
   }
 }
 
-// The normal matrix of Mussio D.2 for n = 6, a = b = h = 1: the eigenvalues of its two minors, and the roughness at
-// which lambda_min / lambda_max = 0.1.
-TEST(PairShape, NormalMatrixOfTheSixCanonicalPositionsIsAsPublished) {
-  const double b = 1, a = 1, h = 1, xy[6][2] = {{0, 0}, {b, 0}, {0, a}, {b, -a}, {0, -a}, {b, a}};
-  Eigen::Matrix<double, 6, 4> design;  // psi1, k2, phi2, bz
+// Mussio D.2: the six canonical positions on the cylinder, a = b = 1 and h = 1 at the sides (R = 1, h = 2 above its
+// lowest line). With by = psi1 + psi2 and 2 R omega = psi1 - psi2 (the signs of the collinearity equations: E31) the
+// column of psi2 is zero and the others are those of his table; the eigenvalues of the two minors of the normal matrix
+// follow (off-diagonal a^2 b, E34), and with lambda_min = n sigma^2 / h^2 the roughness at which epsilon is 0.1.
+TEST(PairShape, SixCanonicalPositionsHaveTheNormalMatrixOfMussioD2) {
+  const double b = 1, a = 1, r = 1, xy[6][2] = {{0, 0}, {b, 0}, {0, a}, {b, -a}, {0, -a}, {b, a}};
+  const double table[6][5] = {{2, 0, 0, 0, -1}, {2, 0, 0, 0, 0},    {2, 0, 1, 1, -1},
+                              {2, 0, -1, 0, 0}, {2, 0, -1, -1, -1}, {2, 0, 1, 0, 0}};  // psi1, psi2, bz, phi, kappa
+  Eigen::Matrix<double, 6, 5> design;
   for (int i = 0; i < 6; ++i) {
     const double x = xy[i][0], y = xy[i][1];
-    design.row(i) << 2, -(b - x), (b - x) * y / h, y / h;
+    const Vector5 row = parallax_at_object(x, y, r + std::sqrt(r * r - y * y), b);
+    design.row(i) << row(0) + row(2) / (2 * r), row(0) - row(2) / (2 * r), row(1), row(3), row(4);
+    for (int k = 0; k < 5; ++k) EXPECT_NEAR(design(i, k), table[i][k], 1e-15) << i << ' ' << k;
   }
-  const Eigen::Matrix4d normal = design.transpose() * design;
-  EXPECT_LT((normal.topRightCorner<2, 2>().norm()), 1e-12);
+  const auto minor = [&](int one, int two) {
+    Eigen::Matrix<double, 6, 2> columns;
+    columns << design.col(one), design.col(two);
+    return Eigen::Matrix2d(columns.transpose() * columns);
+  };
+  EXPECT_LT((minor(2, 3) - Eigen::Matrix2d{{4, 2}, {2, 2}}).norm(), 1e-14);  // n a^2 b / 3 h^2 = 2
   const auto eigenvalues = [](const Eigen::Matrix2d& m) {
     return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(m).eigenvalues();
   };
-  EXPECT_LT((eigenvalues(normal.topLeftCorner<2, 2>()) - Eigen::Vector2d(1.4066133776, 25.5933866224)).norm(), 1e-9);
-  EXPECT_LT((eigenvalues(normal.bottomRightCorner<2, 2>()) - Eigen::Vector2d(0.7639320225, 5.2360679775)).norm(), 1e-9);
-  EXPECT_NEAR(std::sqrt(0.1 * 25.5933866224 / 6), 0.65311, 1e-5);
+  const Eigen::Vector2d plan = eigenvalues(minor(0, 4)), height = eigenvalues(minor(2, 3));
+  EXPECT_LT((plan - Eigen::Vector2d(1.4066133776, 25.5933866224)).cwiseAbs().maxCoeff(), 5.1e-11);
+  EXPECT_LT((height - Eigen::Vector2d(0.7639320225, 5.2360679775)).cwiseAbs().maxCoeff(), 5.1e-11);
+  EXPECT_NEAR(std::sqrt(0.1 * plan(1) / 6), 0.65311, 5e-6);
+}
+
+// Mussio 3.4.3: at the lowest line of the cylinder a roughness delta gives psi2 the coefficient delta / h.
+TEST(PairShape, RoughnessEntersAsInMussioD2) {
+  const double r = 500, h = 2 * r, b = 600;
+  for (const double delta : {-20.0, 5.0, 60.0}) {
+    const Vector5 row = parallax_at_object(0, 0, h - delta, b);
+    EXPECT_NEAR(row(0) - row(2) / (2 * r), delta / h, 1e-15);
+  }
 }
 
 }  // namespace

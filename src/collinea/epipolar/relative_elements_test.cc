@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/QR>
 #include <cmath>
 #include <numbers>
 
@@ -161,41 +160,52 @@ TEST(Coplanarity, HoldsForTheFourSolutionsOfTheSymmetricForm) {
   }
 }
 
-// Karfis W9: rotations and image points [mm] of Volos and Kea. Two of the three ratios of the base follow from the
-// points; its length in units of bx is printed.
-TEST(Coplanarity, HoldsForThePublishedPairs) {
+// Karfis W9: rotations and image points [mm] of Volos and Kea, with the published by and bz (his equation 13).
+TEST(Coplanarity, HoldsForThePairsOfKarfisW9) {
   struct Pair {
     Eigen::Matrix3d rotation;
-    double base, c_mm;
+    double by, bz, c_mm;
     double right[4][2];
   };
   const double left[4][2] = {{0, 0}, {80, 60}, {-20, -90}, {100, -100}};
   Pair volos{{},
-             1.000764607687542,
-             1.791753 * 582 / 6.8,
+             0.0382,
+             -0.0084,
+             153.353,
              {{-83.826856, -3.207517}, {-2.071617, 54.127716}, {-103.447910, -93.167428}, {8.472589, -108.208376}}};
   volos.rotation << 0.9994332072, 0.0317482902, -0.0111942098, -0.0315516317, 0.9993519182, 0.0173273797, 0.0117370697,
       -0.0169643631, 0.9997872031;
   Pair kea{{},
-           1.0010480757685916,
-           1.839807 * 82.9,
+           -0.0450,
+           -0.0085,
+           152.52,
            {{-83.333569, -4.517426}, {-5.676905, 58.602027}, {-97.047350, -97.428211}, {17.532139, -102.271057}}};
   kea.rotation << 0.9989809981, -0.0451312892, -0.0003636471, 0.0451223582, 0.9985455404, 0.0295089239, -0.0009686576,
       -0.0294952628, 0.9995644507;
-  for (const Pair& pair : {volos, kea}) {
-    Eigen::Matrix<double, 4, 2> design;
-    Eigen::Vector4d right;
+  for (const Pair& pair : {volos, kea})
     for (int i = 0; i < 4; ++i) {
       const Eigen::Vector3d one(left[i][0], left[i][1], -pair.c_mm),
           two(pair.right[i][0], pair.right[i][1], -pair.c_mm);
-      const Eigen::Vector3d normal = (one / pair.c_mm).cross(pair.rotation.transpose() * two / pair.c_mm);
-      design.row(i) << normal.y(), normal.z();
-      right(i) = -normal.x();
+      // A y-parallax of half a unit of the last digit, 5e-7 mm, times c.
+      EXPECT_NEAR(coplanarity_in_first({1, pair.by, pair.bz}, pair.rotation, one, two), 0, 1e-6 * pair.c_mm);
     }
-    const Eigen::Vector2d base = design.colPivHouseholderQr().solve(right);
-    EXPECT_LT((design * base - right).norm(), 1e-7);
-    EXPECT_NEAR(std::sqrt(1 + base.squaredNorm()), pair.base, 1e-5);
-  }
+}
+
+// The same elements as printed, to four digits of a degree: his rotation matrices.
+TEST(RelativeElements, RotationsOfKarfisW9AreThoseOfTheirElements) {
+  const DependentElements volos{1, 0.0382, -0.0084, 0.9721 * kDegree, 0.6725 * kDegree, 1.8082 * kDegree},
+      kea{1, -0.0450, -0.0085, 1.6902 * kDegree, -0.0555 * kDegree, -2.5862 * kDegree};
+  const Eigen::Quaterniond turn(0, 1, 0, 0);
+  const auto rotation = [&](const DependentElements& of) {
+    return (turn * motion_of(of).rotation * turn.conjugate()).toRotationMatrix();
+  };
+  Eigen::Matrix3d of_volos, of_kea;
+  of_volos << 0.9994332072, 0.0317482902, -0.0111942098, -0.0315516317, 0.9993519182, 0.0173273797, 0.0117370697,
+      -0.0169643631, 0.9997872031;
+  of_kea << 0.9989809981, -0.0451312892, -0.0003636471, 0.0451223582, 0.9985455404, 0.0295089239, -0.0009686576,
+      -0.0294952628, 0.9995644507;
+  EXPECT_LT((rotation(volos) - of_volos).cwiseAbs().maxCoeff(), 5.1e-11);
+  EXPECT_LT((rotation(kea) - of_kea).cwiseAbs().maxCoeff(), 5.1e-11);
 }
 
 }  // namespace

@@ -100,19 +100,23 @@ Rigid3 motion_of(const Trial& trial) {
 
 }  // namespace
 
+ParallaxEquation parallax_equation(const PairPoint& point) {
+  const double y1 = -point.first.y(), y2 = -point.second.y(), y = (y1 + y2) / 2;  // y up
+  const double x2 = point.second.x(), px = x2 - point.first.x();
+  return {(Vector5() << px, px * y, -(1 + y * y), x2 * y, -x2).finished(), y2 - y1};
+}
+
 std::optional<DependentElements> linear_parallax(std::span<const PairPoint> points) {
   if (points.size() < 5) return std::nullopt;
   Eigen::Matrix<double, Eigen::Dynamic, 5> design(points.size(), 5);
   Eigen::VectorXd parallax(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const PairPoint& point = points[i];
-    const double y1 = -point.first.y(), y2 = -point.second.y(), y = (y1 + y2) / 2;  // y up
-    const double x2 = point.second.x(), px = x2 - point.first.x();
+    const ParallaxEquation equation = parallax_equation(point);
     const double weight = 1 / std::hypot(point.sigma_first, point.sigma_second);
     const auto row = static_cast<Eigen::Index>(i);
-    design.row(row) << px, px * y, -(1 + y * y), x2 * y, -x2;
-    design.row(row) *= weight;
-    parallax(row) = weight * (y2 - y1);
+    design.row(row) = weight * equation.coefficients.transpose();
+    parallax(row) = weight * equation.parallax;
   }
   const Eigen::ColPivHouseholderQR<Eigen::Matrix<double, Eigen::Dynamic, 5>> solver(design);
   if (solver.rank() < 5) return std::nullopt;

@@ -10,10 +10,17 @@
 
 namespace collinea {
 
-/// Approximate values of a pair with attitudes alike within some degrees and a base near x, by linear least squares of
-/// the observed y-parallaxes (Mussio 3.2.3, E27), in coordinates of photographs over the principal distance:
+/// The y-parallax of a point as a linear function of the elements of a nearly normal pair (Mussio 3.2.3, E27), in
+/// coordinates of photographs (y up) over the principal distance:
 ///     y2 - y1 = (x2 - x1) by + (x2 - x1) y bz - (1 + y^2) omega + x2 y phi - x2 kappa,   y = (y1 + y2) / 2, bx = 1
-/// Nothing with fewer than five points, or when they leave an element undetermined.
+struct ParallaxEquation {
+  Vector5 coefficients;  ///< of by, bz, omega, phi, kappa
+  double parallax = 0;   ///< y2 - y1 as observed
+};
+[[nodiscard]] ParallaxEquation parallax_equation(const PairPoint& point);
+
+/// Approximate values of a pair with attitudes alike within some degrees and a base near x, by linear least squares of
+/// these equations. Nothing with fewer than five points, or when they leave an element undetermined.
 [[nodiscard]] std::optional<DependentElements> linear_parallax(std::span<const PairPoint> points);
 
 /// What an exhaustive search found.

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <concepts>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -33,6 +34,17 @@ struct RobustOptions {
   std::span<const int> preferred =
       {};  ///< items believed to be right more often: every other sample is drawn from them alone
 };
+
+/// How many random samples of `sample` different items there must be for one of them to be without outliers with the
+/// wanted confidence, when `inliers` of `size` items are right: log(1 - confidence) / log(1 - chance of a good sample),
+/// rounded up. Infinite when there is no good sample (chance below 1e-12), 0 when all are.
+[[nodiscard]] inline double samples_needed(double inliers, double size, int sample, double confidence) {
+  double good = 1;
+  for (int k = 0; k < sample; ++k) good *= std::max(0.0, (inliers - k) / (size - k));
+  if (!(good > 1e-12)) return std::numeric_limits<double>::infinity();
+  if (good >= 1) return 0;
+  return std::ceil(std::log(1 - confidence) / std::log1p(-good));
+}
 
 template <class Model>
 struct RobustFit {
@@ -121,14 +133,10 @@ class RobustSearch {
     return chosen;
   }
 
-  // Samples until one of them is without outliers with the wanted confidence, when `inliers` of `size` items are right.
   [[nodiscard]] int trials_for(double inliers, double size) const {
-    double good = 1;
-    for (int k = 0; k < Problem::kSample; ++k) good *= std::max(0.0, (inliers - k) / (size - k));
     const double least = std::min(options_.min_trials, options_.max_trials), most = options_.max_trials;
-    if (!(good > 1e-12)) return options_.max_trials;
-    if (good >= 1) return static_cast<int>(least);
-    return static_cast<int>(std::clamp(std::ceil(std::log(1 - options_.confidence) / std::log1p(-good)), least, most));
+    return static_cast<int>(
+        std::clamp(samples_needed(inliers, size, Problem::kSample, options_.confidence), least, most));
   }
 
   // Preferred items have had half of the samples.

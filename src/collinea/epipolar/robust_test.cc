@@ -94,6 +94,26 @@ TEST(Robust, WantedShareOfInliersBoundsTheTrials) {
   EXPECT_LE(fit->trials, 34);  // log(1e-4) / log(1 - 0.5^2) = 33, somewhat more without replacement
 }
 
+// Bolognesi T3b (eq. 6.7): samples of 2, 3, 5, 6, 7 and 8 items with a chance of 0.01 that none is without outliers,
+// of items without end.
+TEST(Robust, SamplesNeededByBolognesiT3b) {
+  const struct {
+    double outliers;
+    int samples[6];
+  } table[] = {{0.5, {17, 35, 146, 293, 588, 1177}},
+               {0.4, {11, 19, 57, 97, 163, 272}},
+               {0.3, {7, 11, 26, 37, 54, 78}},
+               {0.2, {5, 7, 12, 16, 20, 26}},
+               {0.1, {3, 4, 6, 7, 8, 9}}};
+  constexpr int kItems[] = {2, 3, 5, 6, 7, 8};
+  constexpr double kMany = 1e12;
+  for (const auto& row : table)
+    for (std::size_t i = 0; i < 6; ++i)
+      EXPECT_EQ(samples_needed((1 - row.outliers) * kMany, kMany, kItems[i], 0.99), row.samples[i]) << row.outliers;
+  EXPECT_EQ(samples_needed(10, 10, 2, 0.99), 0);
+  EXPECT_EQ(samples_needed(1, 10, 2, 0.99), std::numeric_limits<double>::infinity());
+}
+
 TEST(Robust, SameSeedSameAnswer) {
   Random making(6);
   const LineProblem problem = noisy_line(80, 300, 0.1, making);

@@ -14,14 +14,22 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Mussio D.5: every mask is zero on uniform regions; his second Roberts mask is printed like the first (erratum E49).
-TEST(EdgeMasks, AreThoseOfTheLiterature) {
+// Mussio D.5 (tables A.1 and A.2): every mask is zero on uniform regions; his second Roberts mask is printed like the
+// first (erratum E49).
+TEST(EdgeMasks, AreThoseOfMussioD5) {
   for (const auto& entry : kEdgeOperatorWords)
     for (const EdgeMask& mask : edge_masks(entry.value))
       EXPECT_NEAR(std::accumulate(mask.begin(), mask.end(), 0.0), 0, 1e-15) << entry.word;
-  EXPECT_EQ(edge_masks(EdgeOperator::kRoberts)[1], (EdgeMask{1, 0, 0, 0, -1, 0, 0, 0, 0}));
-  EXPECT_EQ(edge_masks(EdgeOperator::kSobel)[1], (EdgeMask{-1, -2, -1, 0, 0, 0, 1, 2, 1}));
-  EXPECT_EQ(edge_masks(EdgeOperator::kIsotropic)[0][3], -std::numbers::sqrt2);
+  constexpr double kRoot = std::numbers::sqrt2;
+  using Pair = std::vector<EdgeMask>;
+  EXPECT_EQ(edge_masks(EdgeOperator::kRoberts), (Pair{{0, 1, 0, -1, 0, 0, 0, 0, 0}, {1, 0, 0, 0, -1, 0, 0, 0, 0}}));
+  EXPECT_EQ(edge_masks(EdgeOperator::kPrewitt), (Pair{{-1, 0, 1, -1, 0, 1, -1, 0, 1}, {-1, -1, -1, 0, 0, 0, 1, 1, 1}}));
+  EXPECT_EQ(edge_masks(EdgeOperator::kSobel), (Pair{{-1, 0, 1, -2, 0, 2, -1, 0, 1}, {-1, -2, -1, 0, 0, 0, 1, 2, 1}}));
+  EXPECT_EQ(edge_masks(EdgeOperator::kIsotropic),
+            (Pair{{-1, 0, 1, -kRoot, 0, kRoot, -1, 0, 1}, {-1, -kRoot, -1, 0, 0, 0, 1, kRoot, 1}}));
+  EXPECT_EQ(edge_masks(EdgeOperator::kPrewittCompass)[0], (EdgeMask{1, 1, 1, 1, -2, 1, -1, -1, -1}));
+  EXPECT_EQ(edge_masks(EdgeOperator::kRobinson3)[0], (EdgeMask{1, 1, 1, 0, 0, 0, -1, -1, -1}));
+  EXPECT_EQ(edge_masks(EdgeOperator::kRobinson5)[0], (EdgeMask{1, 2, 1, 0, 0, 0, -1, -2, -1}));
   // Kirsch: one step is 45 degrees, two are 90.
   const auto kirsch = edge_masks(EdgeOperator::kKirsch);
   EXPECT_EQ(kirsch[0], (EdgeMask{5, 5, 5, -3, 0, -3, -3, -3, -3}));

@@ -46,7 +46,7 @@ GreyImage rectangle(int width, int height) {
 }
 
 // Bolognesi T1: C / 255^2 is 1 1 / 2 1 in rows 3 and 4; suppression leaves row 4, column 3 (from 1).
-TEST(Interest, MoravecOfThePublishedImage) {
+TEST(Interest, MoravecOfBolognesiT1) {
   const FloatImage map = interest_map(bolognesi(), {.method = O::kMoravec});
   for (int y = 0; y < 6; ++y)
     for (int x = 0; x < 6; ++x) {
@@ -60,7 +60,7 @@ TEST(Interest, MoravecOfThePublishedImage) {
 
 // Karfis W1: an isolated pixel, 0 among 255, has 2 * 255^2 = 130050 by his own formula (520200 is printed, the sum of
 // eight squared differences, which is no V); a constant image has 0.
-TEST(Interest, MoravecOfAnIsolatedPixel) {
+TEST(Interest, MoravecOfAnIsolatedPixelByKarfisW1) {
   GreyImage image(9, 9, 1, 255);
   image.at(4, 4) = 0;
   EXPECT_EQ(interest_map(image, {.method = O::kMoravec}).at(4, 4), 130050.0f);
@@ -69,30 +69,34 @@ TEST(Interest, MoravecOfAnIsolatedPixel) {
 }
 
 // Bolognesi T1 with the 3 x 3 window .04 .12 .36 (sigma 0.6746): eigenvalues and Harris' measure with k = 0.05.
-TEST(Interest, HarrisAndShiTomasiOfThePublishedImage) {
+TEST(Interest, HarrisAndShiTomasiOfBolognesiT1) {
   InterestOptions o{.method = O::kHarris, .sigma_px = 0.6746, .window_radius_px = 1, .harris_k = 0.05};
   const FloatImage harris = interest_map(bolognesi(), o);
   o.method = O::kShiTomasi;
   const FloatImage smaller = interest_map(bolognesi(), o);
   o.method = O::kNoble;
   const FloatImage noble = interest_map(bolognesi(), o);
+  o.method = O::kHarris;
+  o.harris_k = 0;
+  const FloatImage determinant = interest_map(bolognesi(), o);
   const struct {
     int column, row;
-    double harris, smaller, a, b, c;
-  } expected[] = {{2, 2, .056, .13167, .16, .64, .12},
-                  {3, 2, .01888, .12, .16, .16, .04},
-                  {2, 3, .19808, .28, .64, .64, .36},
-                  {3, 3, .056, .13167, .64, .16, .12}};
+    double harris, larger, smaller, a, b, c;
+  } expected[] = {{2, 2, .056, .66833, .13167, .16, .64, .12},
+                  {3, 2, .01888, .2, .12, .16, .16, .04},
+                  {2, 3, .19808, 1, .28, .64, .64, .36},
+                  {3, 3, .056, .66833, .13167, .64, .16, .12}};
   constexpr double kWhite2 = 255.0 * 255.0;
   for (const auto& e : expected) {
     EXPECT_NEAR(harris.at(e.column, e.row) / (kWhite2 * kWhite2), e.harris, 1e-4);
     EXPECT_NEAR(smaller.at(e.column, e.row) / kWhite2, e.smaller, 1e-4);
+    EXPECT_NEAR(determinant.at(e.column, e.row) / kWhite2 / smaller.at(e.column, e.row), e.larger, 1e-4);
     EXPECT_NEAR(noble.at(e.column, e.row) / kWhite2, (e.a * e.b - e.c * e.c) / (e.a + e.b), 1e-4);
   }
 }
 
 // Karfis W4: row 3 of his kernel / 273 is printed 7 16 41 16 7; only with 26 is it a Gaussian (of sigma 1).
-TEST(Interest, TheWindowIsTheCorrectedKernel) {
+TEST(Interest, TheWindowIsThatOfKarfisW4) {
   const double kernel[3][3] = {{41, 26, 7}, {26, 16, 4}, {7, 4, 1}};  // from the middle outwards
   const std::vector<float> taps = gaussian_window(1, 2);
   for (std::size_t j = 0; j < 3; ++j)

@@ -22,7 +22,7 @@ FloatImage map_of(const std::vector<std::string>& rows) {
 }
 
 // Karfis W2: the corner map of his figure 5 has two maxima of 2, in (row, column) = (5, 8) and (4, 13), from 1.
-TEST(LocalMaxima, ThePublishedCornerMapHasTwo) {
+TEST(LocalMaxima, TheCornerMapOfKarfisW2HasTwo) {
   const FloatImage map = map_of({"XXXXXXXXXXXXXXXX", "XXXXXXXXXXXXXXXX", "XX000000000111XX", "XX000001100121XX",
                                  "XX000002100111XX", "XX000000000000XX", "XXXXXXXXXXXXXXXX", "XXXXXXXXXXXXXXXX"});
   const std::vector<MapPixel> expected = {{12, 3, 2}, {7, 4, 2}};
@@ -30,7 +30,7 @@ TEST(LocalMaxima, ThePublishedCornerMapHasTwo) {
 }
 
 // Karfis W3: a noisy pixel of an edge is as strong as the corner, and a plateau of twos is one maximum, in its middle.
-TEST(LocalMaxima, APlateauIsOne) {
+TEST(LocalMaxima, APlateauIsOneInKarfisW3) {
   const FloatImage map = map_of({"XXXXXXXXXXXXXXXX", "XXXXXXXXXXXXXXXX", "XX000000000111XX", "XX121001100121XX",
                                  "XX222002100111XX", "XX111000000000XX", "XXXXXXXXXXXXXXXX", "XXXXXXXXXXXXXXXX"});
   const std::vector<MapPixel> expected = {{12, 3, 2}, {3, 4, 2}, {7, 4, 2}};

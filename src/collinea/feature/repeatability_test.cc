@@ -29,7 +29,7 @@ GreyImage waves(int width, int height) {
 }
 
 // Karfis W5: two of three points of the second run were found in the first, 66.67 %.
-TEST(Repeatability, ThePublishedRate) {
+TEST(Repeatability, TheRateOfKarfisW5) {
   const auto first = points_at({{10, 10}, {30, 12}, {50, 50}, {70, 20}}),
              second = points_at({{10.4, 10}, {29.5, 12}, {80, 80}});
   const Repeatability r = repeatability(first, second, Matrix3d::Identity(), {100, 100, 100, 100, 0}, 1);

@@ -172,5 +172,26 @@ TEST(GeographicFromMap, InvertsTheLocalFrame) {
   EXPECT_FALSE(geographic_from_map("EPSG:4326", map));
 }
 
+// Bolognesi T4: eleven marks of a network in UTM of ED50 (zone 32), to a millimetre in plan and 0.1 mm in height. A
+// number of single precision has steps of half a metre at such a northing; the local frame loses nothing.
+TEST(LocalFrame, NetworkOfBolognesiT4KeepsItsDigits) {
+  const double marks[11][3] = {
+      {4958051.929, 723086.306, 3.7293}, {4958102.953, 723173.734, 3.7927}, {4958305.682, 723176.585, 2.2066},
+      {4958343.333, 723153.588, 2.3287}, {4958316.980, 723035.859, 2.4483}, {4958255.515, 723022.282, 2.8022},
+      {4958216.423, 723046.694, 2.6171}, {4958255.343, 723099.278, 2.3288}, {4958293.478, 723076.170, 2.3856},
+      {4958284.795, 723040.695, 2.9456}, {4958340.444, 723189.045, 2.5069}};
+  const LocalFrame local_frame = LocalFrame::create("EPSG:23032", 44.745, 11.818, 0).value();
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(1e9), high = -low, sum = Eigen::Vector3d::Zero();
+  for (const auto& mark : marks) {
+    const Eigen::Vector3d map(mark[1], mark[0], mark[2]), local = local_frame.local_from_map(map);
+    EXPECT_LT(local.norm(), 1000);
+    EXPECT_LT((local_frame.map_from_local(local) - map).cwiseAbs().maxCoeff(), 1e-6);
+    low = low.cwiseMin(map), high = high.cwiseMax(map), sum += map;
+  }
+  EXPECT_LT((high - low - Eigen::Vector3d(166.8, 291.4, 1.586)).cwiseAbs().maxCoeff(), 0.05);
+  EXPECT_LT((sum / 11 - Eigen::Vector3d(723100.0215, 4958251.5341, 2.7356)).cwiseAbs().maxCoeff(), 5.1e-5);
+  EXPECT_EQ(std::nextafter(4958051.929f, 1e9f) - 4958051.929f, 0.5f);
+}
+
 }  // namespace
 }  // namespace collinea

@@ -76,7 +76,7 @@ void expect_same(const Similarity3& found, const Similarity3& truth, double tole
 }
 
 // Mussio D.8: the five points of the linear solution; without the factor 1/2, so that R' has (a, b, c) = twice ours.
-TEST(ClosedSimilarity, LinearSolutionReturnsTheNumbersOfTheText) {
+TEST(ClosedSimilarity, LinearSolutionReturnsTheNumbersOfMussioD8) {
   const std::vector<Vector3d> model{{0, 0, 0}, {10, 0, 1}, {0, 8, -1}, {10, 8, 2}, {5, 4, 3}};
   const std::vector<Vector3d> ground{{100, 200, 50},
                                      {110.657894737, 193.355263158, 50.263157895},
@@ -323,6 +323,25 @@ TEST(AbsoluteOrientation, CoordinatesThatAreNoNumbersAreRefused) {
   pairs = Scene(1, 4).pairs;
   pairs[1].ground_covariance = pairs[1].model_covariance = Matrix3d::Zero();
   EXPECT_FALSE(absolute_orientation(pairs));
+}
+
+// Bolognesi T4: coordinates of millions of metres cost an absolute orientation nothing: a model of the network at
+// 1 : 500, turned, comes to its marks within rounding.
+TEST(ClosedSimilarity, NetworkOfBolognesiT4) {
+  const std::vector<Vector3d> ground{
+      {723086.306, 4958051.929, 3.7293}, {723173.734, 4958102.953, 3.7927}, {723176.585, 4958305.682, 2.2066},
+      {723153.588, 4958343.333, 2.3287}, {723035.859, 4958316.980, 2.4483}, {723022.282, 4958255.515, 2.8022},
+      {723046.694, 4958216.423, 2.6171}, {723099.278, 4958255.343, 2.3288}, {723076.170, 4958293.478, 2.3856},
+      {723040.695, 4958284.795, 2.9456}, {723189.045, 4958340.444, 2.5069}};
+  const Similarity3 truth{500, rotation_by({0.3, -0.2, 1.9}), {723100, 4958251, 3}};
+  std::vector<Vector3d> model;
+  for (const Vector3d& point : ground)
+    model.push_back(truth.rotation.conjugate() * (point - truth.translation) / truth.scale);
+  for (const auto& fit :
+       {align_by_quaternion(model, ground), std::optional(align_by_rodrigues(model, ground)->b_from_a)}) {
+    ASSERT_TRUE(fit);
+    for (std::size_t i = 0; i < model.size(); ++i) EXPECT_LT((*fit * model[i] - ground[i]).norm(), 1e-7);
+  }
 }
 
 }  // namespace

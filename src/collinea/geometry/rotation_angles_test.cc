@@ -22,20 +22,33 @@ Matrix3d rows(const std::array<double, 9>& v) {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(v.data());
 }
 
-// Mussio D.8.
-TEST(RotationAngles, MatricesOfTheText) {
+TEST(RotationAngles, MatricesOfMussioD8) {
   EXPECT_LT(apart(rotation_matrix(CardanAngles{0.3, -0.4, 0.7}),
                   rows({0.7044663053, 0.5274258682, 0.4749201809, -0.5933637834, 0.8048188585, -0.0136391194,
                         -0.3894183423, -0.2721921353, 0.8799231763})),
-            1e-10);
+            5.1e-11);
   EXPECT_LT(apart(rotation_matrix(EulerAngles{0.5, 1.1, -0.8}),
                   rows({0.7674179064, 0.0484624518, -0.6393130280, 0.4780294780, 0.6212555089, 0.6209101472,
                         0.4272675686, -0.7821080382, 0.4535961214})),
-            1e-10);
+            5.1e-11);
   EXPECT_LT(apart(rotation_matrix(RodriguesParameters{0.4, -0.6, 0.9}),
                   rows({0.5609756098, -0.7654784240, -0.3151969981, 0.5853658537, 0.6360225141, -0.5028142589,
                         0.5853658537, 0.0975609756, 0.8048780488})),
-            1e-10);
+            5.1e-11);
+}
+
+// Mussio D.8: R' of section 4.1, whose parameters lack the factor 1/2.
+TEST(RotationAngles, RodriguesWithoutTheHalfOfMussioD8) {
+  const Matrix3d r = rotation_matrix(RodriguesParameters{2 * 0.4, -2 * 0.6, 2 * 0.9});
+  EXPECT_LT(apart(r.transpose(), rows({-0.0042918455, 0.5665236052, 0.8240343348, -0.9785407725, 0.1673819742,
+                                       -0.1201716738, -0.2060085837, -0.8068669528, 0.5536480687})),
+            5.1e-11);
+}
+
+// Mussio D.6: a frontal photograph of a facade has X, Y, Z of the object where a level one has X, Z, -Y. (The text
+// prints row 2 as 0, 1, 1: E9.)
+TEST(RotationAngles, FrontalAxesOfMussioD6) {
+  EXPECT_LT(apart(rotation_matrix(CardanAngles{kPi / 2, 0, 0}), rows({1, 0, 0, 0, 0, 1, 0, -1, 0})), 1e-15);
 }
 
 TEST(RotationAngles, EveryParametrisationThereAndBack) {

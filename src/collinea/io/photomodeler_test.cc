@@ -142,5 +142,82 @@ TEST(MillimetreCamera, FormulasAreThoseOfTheHeader) {
             1e-14);
 }
 
+// Bolognesi T12 (table 9.2): a GoPro Hero 3+ as PhotoModeler calibrated it, in millimetres, and as he gave it to
+// PhotoScan, in pixels: other parameters in the other direction.
+const MillimetreCamera kGoProMillimetres{
+    4000, 3000, 0.001566, 0, 2.742, {3.154, 2.325}, {0.0392300, 0.0006149, 0.0001640}, {-0.0002634, -0.0001167}};
+
+Camera gopro_pixels() {
+  Camera camera = ideal_camera(1702.38, 4000, 3000);  // fx
+  camera.params[Camera::kK1] = -0.191453;
+  camera.params[Camera::kK2] = 0.034744;
+  camera.params[Camera::kK3] = -0.003290;
+  return camera;
+}
+
+// Where the pixel units of his table come from: 1750.96 px (he states fx, fy of the converted polynomial beside the
+// size of the format, 6.265 mm = 4000 px), 2014.05 and 1484.67 px (printed 2014.55, half a pixel more, and 148.74).
+TEST(MillimetreCamera, GoProOfBolognesiT12InPixels) {
+  const Camera camera = camera_of(kGoProMillimetres);
+  EXPECT_NEAR(camera.focal_px(), 1750.96, 5e-3);
+  EXPECT_NEAR(camera.params[Camera::kCx], 2014.05, 5e-3);
+  EXPECT_NEAR(camera.params[Camera::kCy], 1484.67, 5e-3);
+  EXPECT_NEAR(6.265 / kGoProMillimetres.pixel_height_mm, 4000, 1);
+}
+
+// The radius of a measured point, and where the converted polynomial has its ray: within 10 px up to 2.7 mm, 54 px at
+// 3.13 mm, and beyond the fold of the polynomial nowhere (the text's own numbers there, 1733.0 and -6673.9, lie on the
+// branch that comes back). The farthest it reaches are 1973.2 px, less than half the width: 11.9 % of the format have
+// no ray.
+TEST(MillimetreCamera, ConversionOfBolognesiT12) {
+  MillimetreCamera radial = kGoProMillimetres;
+  radial.p = {};
+  radial.principal_mm = {};
+  const Camera measured = camera_of(radial), converted = gopro_pixels();
+  const auto converted_px = [&](double r_mm) -> std::optional<double> {
+    const Eigen::Vector2d ray = normalized(measured, {r_mm / radial.pixel_height_mm, 0});
+    const auto pixel = project(converted, ray.homogeneous());
+    if (!pixel) return std::nullopt;
+    return pixel->x() - converted.params[Camera::kCx];
+  };
+  const double table[][3] = {{1.0, 638.6, 628.4},
+                             {2.0, 1277.1, 1281.1},
+                             {2.35, 1500.6, 1507.5},
+                             {2.7, 1724.1, 1723.1},
+                             {3.13, 1998.7, 1945.1}};
+  for (const auto& row : table) {
+    EXPECT_NEAR(row[0] / radial.pixel_height_mm, row[1], 0.051);
+    ASSERT_TRUE(converted_px(row[0])) << row[0];
+    EXPECT_NEAR(*converted_px(row[0]), row[2], 0.051);
+  }
+  EXPECT_FALSE(converted_px(3.5));
+  EXPECT_FALSE(converted_px(3.9));
+  double farthest = 0, at = 0;
+  for (double x = 1.5; x < 2.5; x += 1e-4)
+    if (const auto pixel = project(converted, {x, 0, 1}); pixel && pixel->x() - 2000 > farthest)
+      farthest = pixel->x() - 2000, at = x;
+  EXPECT_NEAR(farthest, 1973.2, 0.05);
+  EXPECT_NEAR(at, 2.007, 5e-4);
+  EXPECT_NEAR(std::atan(at) * 180 / std::acos(-1.0), 63.5, 0.05);
+  int outside = 0, cells = 0;
+  for (double x = 5; x < 4000; x += 10)
+    for (double y = 5; y < 3000; y += 10, ++cells) outside += std::hypot(x - 2000, y - 1500) > farthest;
+  EXPECT_NEAR(100.0 * outside / cells, 11.9, 0.05);
+}
+
+// The field of view by PhotoModeler's polynomial: 122.6 x 94.5 degrees, 146.6 over the diagonal.
+TEST(MillimetreCamera, FieldOfViewOfBolognesiT12) {
+  MillimetreCamera radial = kGoProMillimetres;
+  radial.p = {};
+  radial.principal_mm = {2000 * radial.pixel_height_mm, 1500 * radial.pixel_height_mm};
+  const Camera camera = camera_of(radial);
+  const auto degrees = [&](const Eigen::Vector2d& corner) {
+    return 2 * std::atan(normalized(camera, corner).norm()) * 180 / std::acos(-1.0);
+  };
+  EXPECT_NEAR(degrees({4000, 1500}), 122.6, 0.05);
+  EXPECT_NEAR(degrees({2000, 3000}), 94.5, 0.05);
+  EXPECT_NEAR(degrees({4000, 3000}), 146.6, 0.05);
+}
+
 }  // namespace
 }  // namespace collinea

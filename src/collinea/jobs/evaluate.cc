@@ -130,7 +130,7 @@ Result<std::optional<double>> predicted_sigma_m(const EvaluateOptions& options) 
                 {"scale_number"_option, "height_over_base"_option, "sigma_image_um"_option});
   const double own_m =
       normal_case_sigma_m(*options.scale_number, *options.height_over_base, *options.sigma_image_um * 1e-6);
-  return std::hypot(own_m, options.sigma_reference_m);
+  return difference_sigma_m(own_m, options.sigma_reference_m);
 }
 
 // The mean difference in cells of the surface's map, few enough for memory.

@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "collinea/match/census.h"
 #include "collinea/match/internal/test_textures.h"
 #include "collinea/math/test_targets.h"
 
@@ -44,12 +45,12 @@ std::vector<double> values_of(Similarity method) {
   return {surface.values.at(2, 0), surface.values.at(1, 0), surface.values.at(0, 0)};
 }
 
-TEST(AreaMatching, WorkedDifferencesAreReproduced) {  // Bolognesi T2
+TEST(AreaMatching, DifferencesOfBolognesiT2) {
   EXPECT_EQ(values_of(Similarity::kSsd), (std::vector<double>{213, 151, 233}));
   EXPECT_EQ(values_of(Similarity::kSad), (std::vector<double>{37, 31, 39}));
 }
 
-TEST(AreaMatching, WorkedCorrelationIsReproduced) {  // Bolognesi T2, with the window's mean taken off
+TEST(AreaMatching, CorrelationOfBolognesiT2) {  // with the window's mean taken off
   const auto ncc = values_of(Similarity::kNcc);
   EXPECT_NEAR(ncc[0], -0.201325, 1e-6);
   EXPECT_NEAR(ncc[1], -0.193037, 1e-6);
@@ -61,12 +62,40 @@ TEST(AreaMatching, ImageDistancesAreRootsOfTheSquaredDifferences) {  // Karfis 4
   EXPECT_NEAR(values_of(Similarity::kDn)[1], std::sqrt(151.0 / 9), 1e-6);
 }
 
+// Bolognesi T1: Moravec's sums of the pixel in row 4, column 3 (from 1) are the squared differences of its window of
+// 3 x 3 pixels to those around it, x to the right and y up; their minimum is 130050.
+TEST(AreaMatching, ShiftsOfBolognesiT1) {
+  GreyImage image(6, 6, 1, 255);
+  for (int y = 3; y < 6; ++y)
+    for (int x = 0; x < 3; ++x) image.at(x, y) = 0;
+  const struct {
+    int x, y;
+    float sum;
+  } printed[] = {{1, 1, 195075},   {1, 0, 130050},  {1, -1, 195075}, {0, -1, 130050},
+                 {-1, -1, 325125}, {-1, 0, 130050}, {-1, 1, 195075}, {0, 1, 130050}};
+  const auto sums = correlation_surface(image, {2, 3}, 1, image, {2, 3}, 1, Similarity::kSsd);
+  for (const auto& shift : printed)
+    EXPECT_EQ(sums.values.at(2 + shift.x - sums.left, 3 - shift.y - sums.top), shift.sum) << shift.x << ' ' << shift.y;
+}
+
+// Karfis W1: nine pixels differ by 9 * 255^2 = 585225 at most (520200 is printed as the maximum).
+TEST(AreaMatching, LargestSumOfKarfisW1) {
+  const GreyImage black(3, 3, 1, 0), white(3, 3, 1, 255);
+  EXPECT_EQ(correlation_surface(black, {1, 1}, 1, white, {1, 1}, 0, Similarity::kSsd).values.at(0, 0), 585225);
+}
+
 // Bolognesi T3: ranks 2 and 4; census 00000011 (printed with 7 digits) and 11010001, 4 digits apart.
-TEST(AreaMatching, WorkedRankAndCensusAreReproduced) {
+TEST(AreaMatching, RankAndCensusOfBolognesiT3) {
   const GreyImage first = image_with(3, {89, 63, 72, 67, 55, 64, 58, 51, 49});
   const GreyImage second = image_with(3, {22, 24, 34, 25, 30, 35, 45, 39, 29});
   const auto rank = correlation_surface(first, {1, 1}, 0, second, {1, 1}, 0, Similarity::kRank, 3);
   EXPECT_EQ(rank.values.at(0, 0), 2);
+  EXPECT_EQ(darker_neighbours(first, 1, 1, 1), 0b00000011u);
+  EXPECT_EQ(darker_neighbours(second, 1, 1, 1), 0b11010001u);
+  // Of a window against one without a darker neighbour: its own rank.
+  const GreyImage flat(3, 3, 1, 9);
+  for (const auto& [window, own] : {std::pair{&first, 2}, {&second, 4}})
+    EXPECT_EQ(correlation_surface(*window, {1, 1}, 0, flat, {1, 1}, 0, Similarity::kRank, 3).values.at(0, 0), own);
   const auto census = correlation_surface(first, {1, 1}, 0, second, {1, 1}, 0, Similarity::kCensus, 3);
   EXPECT_EQ(census.values.at(0, 0), 4);
 }
@@ -88,7 +117,7 @@ TEST(AreaMatching, EveryProcessorSumsUpTheSame) {
     }
 }
 
-TEST(AreaMatching, CorrelationIsBlindToBrightnessAndContrast) {  // Karfis W8
+TEST(AreaMatching, CorrelationIsBlindToBrightnessAndContrastByKarfisW8) {
   const WaveTexture texture(5);
   const GreyImage left = image_of(61, 61, texture);
   const GreyImage right = image_of(61, 61, [&](const Vector2d& at) { return 0.5 * texture(at) + 60; });

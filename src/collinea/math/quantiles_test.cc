@@ -31,5 +31,11 @@ TEST(Quantiles, IncompleteBetaFunctionAgreesWithItsClosedForms) {
   }
 }
 
+// Karfis (829) calls 2.67 sigma 95 %: it is 99.24 %, and 95 % are 1.96 sigma (erratum 4).
+TEST(Quantiles, ShareWithinTheLimitOfKarfis) {
+  EXPECT_NEAR(1 - power_of_test(0, 2.67), 0.9924, 5e-5);
+  EXPECT_NEAR(normal_limit(0.05), 1.96, 5e-3);
+}
+
 }  // namespace
 }  // namespace collinea

@@ -48,7 +48,7 @@ TEST(ModelBlock, ExactModelsGiveTheTruth) {
 
 // Mussio 4.3.7: 7 unknowns a model, 3 a point; 3 observations a model point, 2 of control in plan, 1 in height. Here
 // the control is weighted, so that it is observed.
-TEST(ModelBlock, CountsAreThoseOfTheText) {
+TEST(ModelBlock, CountsAreThoseOfMussio437) {
   const TestModels made = test_models({.sigma = 0.05, .control_sigma_m = 0.02});
   const JoinedBlock block = joined(made);
   const long models = 8, points = 3 * 5 + 2 * 5 + 2 * 5 + 8;  // two strips: five rows of five, ten centres, singles
@@ -328,6 +328,36 @@ TEST(ModelBlock, AbsoluteOrientationOfMussioD8) {
   EXPECT_LT((block->models[0]->ground_from_model.translation - Vector3d(100, 200, 50)).norm(), 1e-8);
   EXPECT_LT(block->squares, 1e-15);
   EXPECT_EQ(block->redundancy(), 8);
+}
+
+// Mussio D.8 (4.3.7): 30 models in 3 strips with 60 points: 7 m + 3 n = 390 = 13 m unknowns.
+TEST(ModelBlock, UnknownsOfMussioD8) {
+  constexpr int kStrips = 3, kModels = 10, kColumns = 15;
+  std::map<std::string, Vector3d> ground;
+  Random random(1);
+  for (int row = 0; row <= kStrips; ++row)
+    for (int column = 0; column < kColumns; ++column)
+      ground[ground_name(row, column)] = Vector3d(300 * column, 900 * row, 100 * random.normal());
+  std::vector<StereoModel> models;
+  for (int strip = 0; strip < kStrips; ++strip)
+    for (int first = 0; first < kModels; ++first) {
+      StereoModel model{std::to_string(100 * strip + first), {}, {}};
+      for (const int row : {strip, strip + 1})
+        for (int column = first; column < first + kColumns - kModels + 1; ++column)
+          model.points.push_back({ground_name(row, column), ground.at(ground_name(row, column)) / 1000,
+                                  1e-8 * Eigen::Matrix3d::Identity()});
+      models.push_back(model);
+    }
+  std::vector<SurveyedPoint> control;
+  for (const int row : {0, kStrips})
+    for (const int column : {0, kColumns - 1})
+      control.push_back(
+          {ground_name(row, column), ground.at(ground_name(row, column)), Vector3d::Constant(0.01), false});
+  const auto block = join_models(models, control, {}, {});
+  ASSERT_TRUE(block) << block.error().message;
+  EXPECT_EQ(block->models.size(), 30u);
+  EXPECT_EQ(block->points.size(), 60u);
+  EXPECT_EQ(block->unknowns, 390);
 }
 
 }  // namespace

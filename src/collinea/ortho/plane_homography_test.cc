@@ -208,5 +208,19 @@ TEST(PlaneView, DepthShiftsAPositionAsStated) {
   EXPECT_TRUE(std::isinf(pixel_size_m(view, {6, -400})));
 }
 
+// Franco 8: depths that shift a point of a plane rectification by 1 mm at image scale, at 100 mm from the nadir point
+// of a vertical photograph: dZ = drho c mb / rho.
+TEST(PlaneView, LargestDepthsOfFranco) {
+  constexpr double kScales[] = {1000, 2000, 5000, 10000, 25000};
+  const struct { double c_mm, depths_m[5]; } table[] = {{150, {1.5, 3, 7.5, 15, 37.5}}, {300, {3, 6, 15, 30, 75}}};
+  for (const auto& row : table)
+    for (std::size_t i = 0; i < 5; ++i) {
+      const double height_m = 1e-3 * row.c_mm * kScales[i], radius_m = 0.1 * kScales[i];
+      const PlaneView view{ImageId{0}, ideal_camera(1000, 1000, 1000), Eigen::Matrix3d::Identity(),
+                           Eigen::Vector3d(0, 0, height_m)};
+      EXPECT_NEAR(1e-3 * kScales[i] / *shift_per_depth(view, {radius_m, 0}), row.depths_m[i], 1e-9);
+    }
+}
+
 }  // namespace
 }  // namespace collinea

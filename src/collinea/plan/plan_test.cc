@@ -386,5 +386,82 @@ TEST(RulesOfThumb, AreThoseOfTheBook) {
   EXPECT_NEAR(value(PlanRule::kManholePlan), std::hypot(0.06, 0.05), 1e-9);
 }
 
+// Images that see a position of the middle of a block, flown in step or with every second strip half a base along.
+int images_that_see(double side_overlap, bool between_strips, bool in_step) {
+  FlightOptions flight = small_flight();
+  flight.forward_overlap = 0.6;
+  flight.side_overlap = side_overlap;
+  flight.east_m = 300;
+  flight.north_m = 300;
+  flight.heading_deg = 90;
+  flight.relief_m = 0;
+  FlightPlan plan = plan_flight(flight, {}).value();
+  const int middle = plan.strips / 2;
+  Vector2d at(1e9, 0);
+  for (const PlannedImage& image : plan.images)
+    if (image.strip == middle && std::abs(image.centre.x() - 150) < std::abs(at.x() - 150)) at = image.centre.head<2>();
+  if (!in_step)
+    for (PlannedImage& image : plan.images)
+      if ((image.strip - middle) % 2 != 0) image.centre.x() += plan.base_m / 2;
+  if (between_strips) at.y() += plan.spacing_m / 2;
+  MeasurementOptions measurements = small_measurements();
+  measurements.points_per_image = 8;
+  const auto planned =
+      planned_block(plan, {{"A", ControlRole::kControl, at, Vector3d::Constant(0.02)}}, measurements).value();
+  return int(std::ranges::count_if(planned.block.control_observations,
+                                   [](const ControlObservation& seen) { return seen.point == ControlId{0}; }));
+}
+
+// Mussio D.4 (4.3.4): 60 % along the strip. With 20 % across three images see a point in the middle of a strip, six one
+// between strips, five where the strips are not in step; with 60 % across nine, or seven.
+TEST(PlannedBlock, ObservabilityOfMussioD4) {
+  EXPECT_EQ(images_that_see(0.2, false, true), 3);
+  EXPECT_EQ(images_that_see(0.2, true, true), 6);
+  EXPECT_EQ(images_that_see(0.2, true, false), 5);
+  EXPECT_EQ(images_that_see(0.6, false, true), 9);
+  EXPECT_EQ(images_that_see(0.6, false, false), 7);
+}
+
+// Karfis R.2, R.3: at c = 153.353 mm and 1 : 6800 the flying height is 1042.8 m and 60 % of 23 cm leave a base of
+// 625.6 m (he goes on with 1029 and 582 m, 62.8 %); at 152.52 mm and 1 : 10000 1525 m and 920 m (829 m).
+TEST(FlightPlan, HeightAndBaseOfKarfis) {
+  const struct {
+    double c_mm, scale, height_m, base_m, digit_m;
+  } flights[] = {{153.353, 6800, 1042.8, 625.6, 0.1}, {152.52, 10000, 1525, 920, 1}};
+  for (const auto& printed : flights) {
+    FlightOptions flight;
+    flight.focal_mm = printed.c_mm;
+    flight.sensor_width_mm = 230;
+    flight.width_px = flight.height_px = 11500;
+    flight.gsd_m = 20e-6 * printed.scale;
+    flight.forward_overlap = 0.6;
+    flight.east_m = flight.north_m = 2000;
+    const FlightPlan plan = plan_flight(flight, {}).value();
+    EXPECT_NEAR(plan.height_m, printed.height_m, printed.digit_m / 2);
+    EXPECT_NEAR(plan.base_m, printed.base_m, printed.digit_m / 2);
+  }
+}
+
+// Bolognesi T11 and the sizes of pixels in his text: distance, and size of a pixel on the object. At 50 m the nadir
+// flight has 11.95 mm (11 is printed, 46 m), the beams at 5 m 0.615 mm (0.55 is printed) and at 4.89 m 0.60.
+TEST(FlightPlan, PixelSizesOfBolognesiT11) {
+  const struct {
+    double focal_mm, pixel_mm, gsd_mm, distance_m;
+  } printed[] = {{2.742, 0.001566, 12.8, 22.4},  {2.742, 0.001566, 4.0, 7.0},    {2.742, 0.001566, 3.2, 5.6},
+                 {2.742, 0.001566, 2.7, 4.7},    {18, 22.3 / 5184, 11.0, 46},    {18, 22.3 / 5184, 11.947, 50.0},
+                 {35, 22.3 / 5184, 0.8603, 7.0}, {35, 22.3 / 5184, 0.601, 4.89}, {35, 22.3 / 5184, 0.6145, 5.0}};
+  for (const auto& row : printed) {
+    FlightOptions flight;
+    flight.width_px = 4000;
+    flight.height_px = 3000;
+    flight.focal_mm = row.focal_mm;
+    flight.sensor_width_mm = 4000 * row.pixel_mm;
+    flight.gsd_m = 1e-3 * row.gsd_mm;
+    flight.east_m = flight.north_m = 10;
+    const double digit_m = row.distance_m == 46 ? 1 : row.distance_m == 4.89 ? 0.01 : 0.1;
+    EXPECT_NEAR(plan_flight(flight, {}).value().height_m, row.distance_m, digit_m / 2) << row.gsd_mm;
+  }
+}
+
 }  // namespace
 }  // namespace collinea

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -170,8 +171,23 @@ TEST(Reduction, MedianLeavesOutWhatIsWrong) {
   EXPECT_EQ(reduced(image, 3, Reduction::kMean, {}).at(2, 2), 117);
 }
 
-// Mussio D: 10 shades of two grey values in cells of 3 x 3, 253 of 64, 280 of 32.
-TEST(Dithering, CellsShowThePublishedNumbersOfShades) {
+// Mussio 6.1: a screen of 1200 x 800 pixels of 8 bit takes 960,000 bytes, less than a megabyte.
+TEST(Dithering, AScreenOfMussioD8) { EXPECT_EQ(GreyImage(1200, 800).data.size(), 960'000u); }
+
+// Mussio 6.2: 256 colours are a cube of 6 x 6 x 6, 216 of them.
+TEST(Dithering, TheColourCubeOfMussioD8) {
+  Raster<std::uint8_t> all(256, 1, 3);
+  for (int x = 0; x < 256; ++x)
+    for (int c = 0; c < 3; ++c) all.at(x, 0, c) = static_cast<std::uint8_t>(x);
+  std::array<std::set<int>, 3> shades;
+  const auto out = dithered_by_diffusion(all, 6);
+  for (int x = 0; x < 256; ++x)
+    for (int c = 0; c < 3; ++c) shades[std::size_t(c)].insert(out.at(x, 0, c));
+  EXPECT_EQ(shades[0].size() * shades[1].size() * shades[2].size(), 216u);
+}
+
+// Mussio D.8 (6.13): 10 shades of two grey values in cells of 3 x 3, 253 of 64, 280 of 32.
+TEST(Dithering, CellsShowTheShadesOfMussioD8) {
   EXPECT_EQ(shades_of(2, 3), 10);
   EXPECT_EQ(shades_of(64, 2), 253);
   EXPECT_EQ(shades_of(32, 3), 280);
@@ -202,7 +218,7 @@ TEST(Dithering, KeepsTheMeanOfAShade) {
 // The window that Karfis prints (W4), over 273: his third row must be 7 26 41 26 7 (printed 7 16 41 16 7, which adds up
 // to 253). It is the integral of a Gaussian of 1 px over each pixel; ours is the value at its middle, as in his
 // formula.
-TEST(GaussianFilter, IsThePublishedWindow) {
+TEST(GaussianFilter, IsTheWindowOfKarfisW4) {
   GreyImage image(11, 11);
   image.at(5, 5) = 255;
   const GreyImage out = gaussian_filtered(image, 1, {});

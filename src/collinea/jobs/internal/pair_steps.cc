@@ -4,13 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <set>
 
 #include "collinea/base/parallel.h"
 #include "collinea/dense/working_images.h"
-#include "collinea/geometry/rotation.h"
+#include "collinea/epipolar/epipolar_lines.h"
 #include "collinea/io/number_rows.h"
 #include "collinea/match/least_squares_matching.h"
 #include "collinea/raster/image_file.h"
@@ -21,10 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kMostPixels = 16e6;
-Eigen::Matrix3d essential_of(const Rigid3& second_from_first) {
-  return skew(second_from_first.translation) * second_from_first.rotation.toRotationMatrix();
-}
-
 constexpr double kFarthest_px = 2;  // that least squares matching may move a point
 
 Result<Camera> camera_of(const fs::path& file, const PairChainOptions& options) {
@@ -121,25 +116,14 @@ Eigen::Vector2d in_epipolar(const Camera& image, const Eigen::Quaterniond& epipo
 
 std::function<double(const Eigen::Vector2d&)> row_sigma(const EpipolarPair& epipolar,
                                                         const RelativeOrientation& orientation, double disparity_px) {
-  constexpr double kStep = 1e-5;
-  const Eigen::Matrix3d essential = essential_of(orientation.second_from_first);
-  std::array<Eigen::Matrix3d, 5> changes;
-  for (int i = 0; i < 5; ++i)
-    changes[std::size_t(i)] = (essential_of(changed(orientation.second_from_first, kStep * Vector5::Unit(i))) -
-                               essential_of(changed(orientation.second_from_first, -kStep * Vector5::Unit(i)))) /
-                              (2 * kStep);
-  const Matrix5 covariance = orientation.stated_covariance();
-  return [=](const Eigen::Vector2d& left_px) {
+  return [=, lines = EpipolarLines(orientation.second_from_first, orientation.stated_covariance())](
+             const Eigen::Vector2d& left_px) {
     const Eigen::Vector2d right_px = left_px - Eigen::Vector2d(disparity_px, 0);
     const Eigen::Vector3d first =
         epipolar.left_from_image.conjugate() * normalized(epipolar.left, left_px).homogeneous();
     const Eigen::Vector3d second =
         epipolar.right_from_image.conjugate() * normalized(epipolar.right, right_px).homogeneous();
-    const Eigen::Vector3d line = essential * (first / first.z());
-    Vector5 by;
-    for (int i = 0; i < 5; ++i)
-      by[i] = (second / second.z()).dot(changes[std::size_t(i)] * (first / first.z())) / line.head<2>().norm();
-    return epipolar.right.focal_px() * std::sqrt(std::max(by.dot(covariance * by), 0.0));
+    return epipolar.right.focal_px() * lines.sigma(first.hnormalized(), second.hnormalized());
   };
 }
 

@@ -44,8 +44,7 @@ struct PairImages {
                                           const Camera& epipolar, const Eigen::Vector2d& pixel);
 
 /// The standard deviation of the row of an epipolar line at a position of the epipolar left image, by the covariance of
-/// the orientation, for points of about that disparity: with E the essential matrix and x1, x2 the rays of a point,
-/// the distance of x2 from the line E x1 changes by x2' dE x1 / |(E x1)_xy| with each degree of freedom.
+/// the orientation, for points of about that disparity (EpipolarLines::sigma).
 [[nodiscard]] std::function<double(const Eigen::Vector2d&)> row_sigma(const EpipolarPair& epipolar,
                                                                       const RelativeOrientation& orientation,
                                                                       double disparity_px);
