@@ -27,6 +27,7 @@ Command simulate_command();
 Command assess_command();
 Command pair_command();
 Command stereo_command();
+Command lines_command();
 Command rectify_command();
 Command relative_command();
 Command triplet_command();
@@ -77,6 +78,7 @@ struct CommandGroup {
        {
            pair_command(),
            stereo_command(),
+           lines_command(),
        }},
       {"Single steps: one method, with its standard deviations",
        {
