@@ -233,8 +233,8 @@ TEST(EpipolarPair, IsThatOfKarfisW9) {
     const Camera camera = ideal_camera(published.c_mm, 240, 240);  // a pixel is a millimetre
     const Eigen::Matrix3d right_from_left = of_cameras(published.right_from_left);
     Rigid3 right;
-    right.rotation = Eigen::Quaterniond(right_from_left);
-    right.translation = -(right_from_left * Eigen::Vector3d(1, -published.by, -published.bz));
+    right.rotation = Eigen::Quaterniond(right_from_left).normalized();
+    right.translation = -(right.rotation * Eigen::Vector3d(1, -published.by, -published.bz));
     const auto pair = epipolar_pair(camera, Rigid3{}, camera, right);
     ASSERT_TRUE(pair) << pair.error().message;
     EXPECT_NEAR(pair->base_m, published.base, 1e-14);

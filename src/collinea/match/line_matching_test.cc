@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -18,8 +19,8 @@ using Eigen::Vector3d;
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kFocal_px = 1000, kBase = 1;
 
-// A line through two points, brighter on the right of who goes from one to the other (y down); `sigma_px` across at both
-// ends, independent.
+// A line through two points, brighter on the right of who goes from one to the other (y down); `sigma_px` across at
+// both ends, independent.
 EdgeLine line_through(const Vector2d& from, const Vector2d& to, double sigma_px = 0.01) {
   const Vector2d along = (to - from).normalized(), normal(along.y(), -along.x());
   EdgeLine line{.theta_rad = std::atan2(normal.y(), normal.x()), .r_px = normal.dot(from), .from = from, .to = to};
@@ -52,8 +53,8 @@ PairOfLines scene(std::uint64_t seed, int count) {
     const double depth = random.uniform(4, 8);
     const Vector3d from(random.uniform(-0.4, 0.6) * depth, random.uniform(-0.35, 0.35) * depth, depth);
     const double angle = random.uniform(15, 165) * kDegree * (random.uniform() < 0.5 ? -1 : 1);
-    const Vector3d to = from + random.uniform(0.4, 1.2) *
-                                   Vector3d(std::cos(angle), std::sin(angle), random.uniform(-0.2, 0.2));
+    const Vector3d to =
+        from + random.uniform(0.4, 1.2) * Vector3d(std::cos(angle), std::sin(angle), random.uniform(-0.2, 0.2));
     const double darker = random.uniform(10, 120);
     lines.add(from, to, {darker, darker + random.uniform(20, 120)});
   }
@@ -172,9 +173,9 @@ TEST(LineMatching, NeighboursTellPicketsApart) {
   const auto decisions = match_lines(lines.left, lines.right, 120, 280, {.grey_sigma = 8});
   EXPECT_EQ(wrong(decisions), 0u);
   EXPECT_EQ(matched(decisions), 17u);
-  EXPECT_EQ(std::ranges::count_if(decisions,
-                                  [](const LineDecision& d) { return d.outcome == LineOutcome::kByNeighbours; }),
-            12);
+  EXPECT_EQ(
+      std::ranges::count_if(decisions, [](const LineDecision& d) { return d.outcome == LineOutcome::kByNeighbours; }),
+      12);
 }
 
 // The disparity of a point of an edge, less the true one, over its sigma: mean square 1 with sqrt(2 / n).

@@ -337,22 +337,23 @@ TEST(ModelBlock, UnknownsOfMussioD8) {
   Random random(1);
   for (int row = 0; row <= kStrips; ++row)
     for (int column = 0; column < kColumns; ++column)
-      ground[ground_name(row, column)] = Vector3d(300 * column, 900 * row, 100 * random.normal());
+      ground[testing::ground_name(row, column)] = Vector3d(300 * column, 900 * row, 100 * random.normal());
   std::vector<StereoModel> models;
   for (int strip = 0; strip < kStrips; ++strip)
     for (int first = 0; first < kModels; ++first) {
       StereoModel model{std::to_string(100 * strip + first), {}, {}};
       for (const int row : {strip, strip + 1})
         for (int column = first; column < first + kColumns - kModels + 1; ++column)
-          model.points.push_back({ground_name(row, column), ground.at(ground_name(row, column)) / 1000,
+          model.points.push_back({testing::ground_name(row, column),
+                                  ground.at(testing::ground_name(row, column)) / 1000,
                                   1e-8 * Eigen::Matrix3d::Identity()});
       models.push_back(model);
     }
   std::vector<SurveyedPoint> control;
   for (const int row : {0, kStrips})
     for (const int column : {0, kColumns - 1})
-      control.push_back(
-          {ground_name(row, column), ground.at(ground_name(row, column)), Vector3d::Constant(0.01), false});
+      control.push_back({testing::ground_name(row, column), ground.at(testing::ground_name(row, column)),
+                         Vector3d::Constant(0.01), false});
   const auto block = join_models(models, control, {}, {});
   ASSERT_TRUE(block) << block.error().message;
   EXPECT_EQ(block->models.size(), 30u);
