@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kTurnSigma_rad = 15 * kDegree;
+constexpr double kRotationSigma_rad = 15 * kDegree;
 constexpr double kLeastSine = 1e-6;
 
 struct Rows {
@@ -34,20 +34,22 @@ std::optional<LineCandidate> candidate_of(const MatchableLine& left, const Match
                                           double high_px, const LineMatchOptions& o) {
   if (!(left.line.normal().x() * right.line.normal().x() > 0)) return std::nullopt;  // the brighter side
   LineCandidate c;
-  c.turn_rad = std::remainder(right.line.theta_rad - left.line.theta_rad, 2 * std::numbers::pi);
-  if (!(std::abs(c.turn_rad) <= o.largest_turn_deg * kDegree)) return std::nullopt;
+  c.rotation_rad = std::remainder(right.line.theta_rad - left.line.theta_rad, 2 * std::numbers::pi);
+  if (!(std::abs(c.rotation_rad) <= o.largest_rotation_deg * kDegree)) return std::nullopt;
   const Rows a = rows_of(left.line), b = rows_of(right.line);
   c.first_row = std::max(a.first, b.first);
   c.last_row = std::min(a.last, b.last);
   c.overlap = (c.last_row - c.first_row) / std::max(std::min(a.length(), b.length()), 1e-9);
   if (!(c.last_row > c.first_row) || !(c.overlap >= o.least_overlap)) return std::nullopt;
-  const auto disparity = [&](double row) { return crossing(left.line, row)->column - crossing(right.line, row)->column; };
+  const auto disparity = [&](double row) {
+    return crossing(left.line, row)->column - crossing(right.line, row)->column;
+  };
   c.first_disparity = disparity(c.first_row);
   c.last_disparity = disparity(c.last_row);
   if (!(std::min(c.first_disparity, c.last_disparity) >= low_px) ||
       !(std::max(c.first_disparity, c.last_disparity) <= high_px))
     return std::nullopt;
-  c.similarity = std::min(c.overlap, 1.0) * alike(c.turn_rad, kTurnSigma_rad) *
+  c.similarity = std::min(c.overlap, 1.0) * alike(c.rotation_rad, kRotationSigma_rad) *
                  (alike(left.greys.darker - right.greys.darker, o.grey_sigma) +
                   alike(left.greys.brighter - right.greys.brighter, o.grey_sigma)) /
                  2;
@@ -62,9 +64,8 @@ ByLine by_line(const std::vector<LineCandidate>& candidates, std::size_t lines, 
   ByLine out(lines);
   for (std::size_t k = 0; k < candidates.size(); ++k) out[candidates[k].*side].push_back(k);
   for (auto& of_line : out)
-    std::stable_sort(of_line.begin(), of_line.end(), [&](std::size_t a, std::size_t b) {
-      return candidates[a].similarity > candidates[b].similarity;
-    });
+    std::stable_sort(of_line.begin(), of_line.end(),
+                     [&](std::size_t a, std::size_t b) { return candidates[a].similarity > candidates[b].similarity; });
   return out;
 }
 
@@ -86,8 +87,8 @@ PointCandidates as_point(const EdgeLine& line, const std::vector<LineCandidate>&
                          std::span<const std::size_t> which, bool is_decided) {
   PointCandidates out{middle_of(line), middle_of(line), {}};
   for (const std::size_t k : which)
-    out.candidates.push_back({out.point_px - Vector2d(candidates[k].middle_disparity(), 0),
-                              is_decided ? 1 : candidates[k].similarity});
+    out.candidates.push_back(
+        {out.point_px - Vector2d(candidates[k].middle_disparity(), 0), is_decided ? 1 : candidates[k].similarity});
   return out;
 }
 
@@ -116,7 +117,8 @@ std::vector<std::optional<std::size_t>> by_neighbours(const Side& side, const st
 }
 
 // Drops from the lines of one side what decided pairs exclude.
-void drop_excluded(const std::vector<LineCandidate>& candidates, const Side& left, const Side& right, ByLine& of_lines) {
+void drop_excluded(const std::vector<LineCandidate>& candidates, const Side& left, const Side& right,
+                   ByLine& of_lines) {
   for (auto& of_line : of_lines)
     std::erase_if(of_line, [&](std::size_t k) {
       const auto &there = left.decided[candidates[k].left], &back = right.decided[candidates[k].right];
@@ -194,9 +196,7 @@ std::vector<EdgePointMatch> edge_point_matches(const LineCandidate& match, std::
     if (p.at.y() < match.first_row || p.at.y() > match.last_row || !(std::abs(p.normal.x()) > kLeastSine)) continue;
     const auto there = crossing(right, p.at.y());
     if (!there) continue;
-    out.push_back({p.at,
-                   {there->column, p.at.y()},
-                   std::hypot(p.sigma_px / std::abs(p.normal.x()), there->sigma_px)});
+    out.push_back({p.at, {there->column, p.at.y()}, std::hypot(p.sigma_px / std::abs(p.normal.x()), there->sigma_px)});
   }
   return out;
 }

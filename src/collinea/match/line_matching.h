@@ -19,7 +19,7 @@ namespace collinea {
 
 struct LineMatchOptions {
   double least_row_angle_deg = 10;
-  double largest_turn_deg = 30;
+  double largest_rotation_deg = 30;
   double least_overlap = 0.5;
   double grey_sigma = 20;
   double least_similarity = 0.2;
@@ -30,8 +30,8 @@ struct LineMatchOptions {
     using O = LineMatchOptions;
     visit(Field{"least_row_angle_deg", &O::least_row_angle_deg, "deg",
                 "of a line: least angle with the rows of the epipolar pair; along a row it has no disparity", 1, 80});
-    visit(Field{"largest_turn_deg", &O::largest_turn_deg, "deg", "largest angle between the lines of both images", 1,
-                90});
+    visit(Field{"largest_rotation_deg", &O::largest_rotation_deg, "deg",
+                "largest angle between the lines of both images", 1, 90});
     visit(Field{"least_overlap", &O::least_overlap, "1", "part of the shorter line whose rows the other one has, too",
                 0, 1});
     visit(Field{"grey_sigma", &O::grey_sigma, "grey",
@@ -63,12 +63,12 @@ inline constexpr Word<LineOutcome> kLineOutcomeWords[] = {
 
 /// Two lines that may be the same edge.
 struct LineCandidate {
-  std::size_t left = 0, right = 0;        ///< by their order
-  double first_row = 0, last_row = 0;     ///< that both have [px]
+  std::size_t left = 0, right = 0;                 ///< by their order
+  double first_row = 0, last_row = 0;              ///< that both have [px]
   double first_disparity = 0, last_disparity = 0;  ///< left less right there [px]
-  double overlap = 0;                     ///< of the shorter one
-  double turn_rad = 0;                    ///< angle of the right line less that of the left one
-  double similarity = 0;                  ///< 0 to 1
+  double overlap = 0;                              ///< of the shorter one
+  double rotation_rad = 0;                         ///< angle of the right line less that of the left one
+  double similarity = 0;                           ///< 0 to 1
 
   [[nodiscard]] double middle_disparity() const { return (first_disparity + last_disparity) / 2; }
   [[nodiscard]] double middle_row() const { return (first_row + last_row) / 2; }
@@ -88,15 +88,15 @@ struct RowCrossing {
 
 /// The candidates of all left lines: both cross the rows; the brighter side is the same; the rows that both have are
 /// least_overlap of the shorter one, and disparities at their ends lie between `low` and `high`. Similarity is
-///     overlap exp(-turn^2 / 2 (15 deg)^2) (g_darker + g_brighter) / 2,   g = exp(-difference^2 / 2 grey_sigma^2):
+///     overlap exp(-rotation^2 / 2 (15 deg)^2) (g_darker + g_brighter) / 2,   g = exp(-difference^2 / 2 grey_sigma^2):
 /// at the border of an object before a background one side alone stays the same.
 [[nodiscard]] std::vector<LineCandidate> line_candidates(std::span<const MatchableLine> left,
                                                          std::span<const MatchableLine> right, double low_px,
                                                          double high_px, const LineMatchOptions& options);
 
 /// Decides for every left line, one to one: first those that are each other's only or decisively best candidate (there
-/// and back); then the others by relaxation (match/relaxation.h), in which the nearest of those that are decided bear out
-/// candidates of like disparity, again there and back. What stays alike stays undecided.
+/// and back); then the others by relaxation (match/relaxation.h), in which the nearest of those that are decided bear
+/// out candidates of like disparity, again there and back. What stays alike stays undecided.
 [[nodiscard]] std::vector<LineDecision> match_lines(std::span<const MatchableLine> left,
                                                     std::span<const MatchableLine> right, double low_px, double high_px,
                                                     const LineMatchOptions& options);

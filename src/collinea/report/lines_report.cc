@@ -44,7 +44,7 @@ void add_match(std::vector<std::string>& row, const PairLine& line) {
   for (const auto& [value, decimals] :
        {std::pair(m.first_row, 2), std::pair(m.last_row, 2), std::pair(m.first_disparity, 3),
         std::pair(disparity_sigma(line, m.first_row), 3), std::pair(m.last_disparity, 3),
-        std::pair(disparity_sigma(line, m.last_row), 3), std::pair(m.turn_rad * kDegrees, 2),
+        std::pair(disparity_sigma(line, m.last_row), 3), std::pair(m.rotation_rad * kDegrees, 2),
         std::pair(m.similarity, 3)})
     row.push_back(decimal_text(value, decimals));
 }
@@ -81,7 +81,7 @@ TextTable rows_of(const LinesReport& report) {
                    {"sigma_first", "px"},
                    {"last_disparity", "px"},
                    {"sigma_last", "px"},
-                   {"turn", "deg"},
+                   {"rotation", "deg"},
                    {"similarity", ""},
                    {"X_first", "m"},
                    {"Y_first", "m"},
@@ -126,16 +126,14 @@ TextTable shown_rows(const LinesReport& report) {
 }
 
 std::string frame_remark(const LinesReport& report) {
-  return report.frame == PairFrame::kLeftCamera
-             ? "coordinates in space: x right, y down, z forward of the left camera"
-             : "coordinates in space: the frame of the orientation";
+  return report.frame == PairFrame::kLeftCamera ? "coordinates in space: x right, y down, z forward of the left camera"
+                                                : "coordinates in space: the frame of the orientation";
 }
 
 std::string precision_text(const LinesReport& report) {
   std::vector<double> across, directions, disparities;
   for (const PairLine& line : report.lines) {
-    if (line.decision.match)
-      disparities.push_back(disparity_sigma(line, line.decision.match->middle_row()));
+    if (line.decision.match) disparities.push_back(disparity_sigma(line, line.decision.match->middle_row()));
     if (!line.space) continue;
     across.push_back(sigma_at(line.space->line, (line.space->from_m + line.space->to_m) / 2));
     directions.push_back(direction_sigma(line.space->line) * kDegrees);
@@ -153,7 +151,8 @@ std::string precision_text(const LinesReport& report) {
 }  // namespace
 
 std::size_t LinesReport::matched() const {
-  return std::size_t(std::ranges::count_if(lines, [](const PairLine& line) { return line.decision.match.has_value(); }));
+  return std::size_t(
+      std::ranges::count_if(lines, [](const PairLine& line) { return line.decision.match.has_value(); }));
 }
 std::size_t LinesReport::in_space() const {
   return std::size_t(std::ranges::count_if(lines, [](const PairLine& line) { return line.space.has_value(); }));
@@ -161,18 +160,18 @@ std::size_t LinesReport::in_space() const {
 
 TextTable lines_table(const LinesReport& report) {
   TextTable table = rows_of(report);
-  table.remarks = {fmt::format("straight edges of the epipolar images of {} and {}; middle of the upper left pixel "
-                               "0.5, 0.5",
-                               report.left, report.right)};
+  table.remarks = {
+      fmt::format("straight edges of the epipolar images of {} and {}; middle of the upper left pixel "
+                  "0.5, 0.5",
+                  report.left, report.right)};
   if (report.cameras) table.remarks.push_back(frame_remark(report));
   return table;
 }
 
 TextTable edge_points_table(const LinesReport& report) {
   TextTable table;
-  table.columns = {{"line", ""},          {"x_left", "px"},        {"y_left", "px"},
-                   {"x_right", "px"},     {"sigma_disparity", "px"}, {"depth", "m"},
-                   {"sigma_depth", "m"}};
+  table.columns = {{"line", ""},   {"x_left", "px"},    {"y_left", "px"}, {"x_right", "px"}, {"sigma_disparity", "px"},
+                   {"depth", "m"}, {"sigma_depth", "m"}};
   for (std::size_t i = 0; i < report.lines.size(); ++i)
     for (const EdgePointMatch& p : report.lines[i].points) {
       std::vector<std::string> row = {std::to_string(i + 1), decimal_text(p.left_px.x(), 3),
@@ -180,8 +179,7 @@ TextTable edge_points_table(const LinesReport& report) {
                                       decimal_text(p.sigma_px, 3)};
       if (report.cameras) {
         const auto& [left, right, pose, base_m, points] = *report.cameras;
-        const double parallax =
-            p.left_px.x() - p.right_px.x() - left.params[Camera::kCx] + right.params[Camera::kCx];
+        const double parallax = p.left_px.x() - p.right_px.x() - left.params[Camera::kCx] + right.params[Camera::kCx];
         const double depth = left.focal_px() * base_m / parallax;
         row.push_back(decimal_text(depth, 4));
         row.push_back(decimal_text(depth / parallax * p.sigma_px, 4));
@@ -194,9 +192,9 @@ TextTable edge_points_table(const LinesReport& report) {
 }
 
 std::string lines_text(const LinesReport& report) {
-  std::string text = fmt::format("{} of {}, {} of {}; disparities {} to {} px\n",
-                                 counted_text(report.lines.size(), "straight edge"), report.left,
-                                 report.right_lines, report.right, report.low_px, report.high_px);
+  std::string text =
+      fmt::format("{} of {}, {} of {}; disparities {} to {} px\n", counted_text(report.lines.size(), "straight edge"),
+                  report.left, report.right_lines, report.right, report.low_px, report.high_px);
   for (const auto& [outcome, word, help] : kLineOutcomeWords) {
     const auto count = std::ranges::count_if(
         report.lines, [&, of = outcome](const PairLine& line) { return line.decision.outcome == of; });

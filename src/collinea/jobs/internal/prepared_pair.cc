@@ -37,7 +37,7 @@ Result<PreparedPair> rectified_pair(const fs::path& left, const fs::path& right,
   COLLINEA_TRY(GreyImage right_grey, read_grey(right, shrink));
   COLLINEA_TRY(ready.colours, read_colour(left, shrink));
   if (pair.focal_px.has_value() != pair.base_m.has_value())
-    return fail(Errc::kBadInput, "a cloud needs both the focal length and the base",
+    return fail(Errc::kBadInput, "coordinates in space need both the focal length and the base",
                 {"focal_px"_option, "base_m"_option});
   if (pair.focal_px)
     ready.cameras =

@@ -30,8 +30,9 @@ struct StereoPairOptions {
                 "least column left less column right; nothing: 0 for rectified pairs, else from the tie points"});
     visit(Field{"max_disparity", &O::max_disparity, "px",
                 "largest; nothing: an eighth of the width for rectified pairs, else from the tie points"});
-    visit(Field{"focal_px", &O::focal_px, "px", "of a rectified pair: for the cloud", 1, 1e7});
-    visit(Field{"base_m", &O::base_m, "m", "distance of the cameras of a rectified pair: for the cloud", 1e-9, 1e9});
+    visit(Field{"focal_px", &O::focal_px, "px", "of a rectified pair: for coordinates in space", 1, 1e7});
+    visit(Field{"base_m", &O::base_m, "m", "distance of the cameras of a rectified pair: for coordinates in space",
+                1e-9, 1e9});
     visit(Field{"resolution", &O::resolution, "",
                 "size at which the images are matched (nothing: full for rectified pairs, else the largest with at "
                 "most 3.2 million pixels)"});
