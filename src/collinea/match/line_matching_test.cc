@@ -125,6 +125,11 @@ TEST(LineMatching, WhatDoesNotAgreeIsNoCandidate) {
   PairOfLines contrast = lines;  // bright on the other side
   contrast.right[0].line = line_through(contrast.right[0].line.to, contrast.right[0].line.from);
   EXPECT_TRUE(none(contrast));
+  // Rotated by 24 degrees through the direction of the rows: along a row, bright comes first in one image alone.
+  const MatchableLine rising{line_through({200, 200}, {500, 264}), {40, 90}},
+      falling{line_through({100, 264}, {400, 200}), {40, 90}};
+  EXPECT_TRUE(line_candidates(std::span(&rising, 1), std::span(&falling, 1), -300, 500, {}).empty());
+  EXPECT_FALSE(line_candidates(std::span(&rising, 1), std::span(&rising, 1), -300, 500, {}).empty());
   PairOfLines greys = lines;
   greys.right[0].greys = {140, 200};
   EXPECT_TRUE(none(greys));
@@ -176,6 +181,23 @@ TEST(LineMatching, NeighboursTellPicketsApart) {
   EXPECT_EQ(
       std::ranges::count_if(decisions, [](const LineDecision& d) { return d.outcome == LineOutcome::kByNeighbours; }),
       12);
+}
+
+// Where a line with errors crosses a row: column less the true one over its sigma, mean square 1 with sqrt(2 / n).
+TEST(LineMatching, SigmasOfCrossingsAreThoseOfTheErrors) {
+  constexpr int kTrials = 2000;
+  Random random(8);
+  double sum = 0;
+  for (int i = 0; i < kTrials; ++i) {
+    const double slope = random.uniform(-3, 3), row = random.uniform(180, 320);
+    const Vector2d from(300, 200), to(300 + 100 * slope, 300), along = (to - from).normalized();
+    const Vector2d normal(along.y(), -along.x());
+    const double first = 0.05 * random.normal(), last = 0.05 * random.normal();
+    const auto found = crossing(line_through(from + first * normal, to + last * normal, 0.05), row);
+    ASSERT_TRUE(found);
+    sum += std::pow((found->column - 300 - slope * (row - 200)) / found->sigma_px, 2);
+  }
+  EXPECT_NEAR(sum / kTrials, 1, 4 * std::sqrt(2.0 / kTrials));
 }
 
 // The disparity of a point of an edge, less the true one, over its sigma: mean square 1 with sqrt(2 / n).
