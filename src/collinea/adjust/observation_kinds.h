@@ -18,9 +18,8 @@
 namespace collinea::bundle {
 
 /// All kinds of observations. A new kind is its file, an entry here and in each order below, and its table in Problem.
-using ObservationKinds =
-    std::tuple<ImagePoint, GnssPosition, Vertical, CameraPrior, AuxiliaryPrior, ControlCoordinate, Geodetic, Attitude,
-               FilmDeformation>;
+using ObservationKinds = std::tuple<ImagePoint, GnssPosition, Vertical, CameraPrior, AuxiliaryPrior, ControlCoordinate,
+                                    Geodetic, Attitude, FilmDeformation>;
 
 inline constexpr std::array kEvery = {0, 1, 2, 3, 4, 5, 6, 7, 8};
 /// All beside image points, which are summed up with their points: the order in which they enter the normal equations,

@@ -58,8 +58,8 @@ struct ImageExtent {
 
 [[nodiscard]] AdditionalShift additional_shift(AdditionalSet set, const double* values, ImageExtent size,
                                                const Eigen::Vector2d& pixel);
-/// The functions of kFilm at a pixel: of them, the parameter 2 k adds function k to the column, 2 k + 1 to the row. They
-/// are in the order of their degree, and beyond the image as at its border.
+/// The functions of kFilm at a pixel: of them, the parameter 2 k adds function k to the column, 2 k + 1 to the row.
+/// They are in the order of their degree, and beyond the image as at its border.
 [[nodiscard]] Eigen::Matrix<double, kFilmFunctions, 1> film_functions(ImageExtent size, const Eigen::Vector2d& pixel);
 
 void additional_effect(AdditionalSet set, ImageExtent size, const Eigen::Vector2d& pixel, AdditionalEffect& effect);

@@ -28,9 +28,9 @@ struct FilmMarkOffset {
 
 /// What is known of the deformation of one scan before an adjustment.
 struct FilmPrior {
-  double sigma_px = 0;        ///< of each coordinate
-  double correlation_px = 0;  ///< l
-  double mark_sigma_px = 0;   ///< of a coordinate of a mark
+  double sigma_px = 0;                                        ///< of each coordinate
+  double correlation_px = 0;                                  ///< l
+  double mark_sigma_px = 0;                                   ///< of a coordinate of a mark
   bool sigma_is_given = false, correlation_is_given = false;  ///< else they may be estimated
   int functions = int(kFilmFunctions);                        ///< how many take part, the first ones
   /// Those that the affine transformation was fitted to; none: it takes no part, all of the process is in the image.

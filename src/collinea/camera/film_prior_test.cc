@@ -96,8 +96,15 @@ TEST(FilmFunctions, AreThoseOfTheSetInItsOrder) {
 // Orthogonal over the image, with a mean square of 1 / ((2 i + 1) (2 j + 1)): by sums over positions of Gauss's rule,
 // which are exact to the degree 13.
 TEST(FilmFunctions, AreOrthogonalOverTheImage) {
-  constexpr double kAt[7] = {0, 0.4058451513773972, 0.7415311855993945, 0.9491079123427585, -0.4058451513773972, -0.7415311855993945, -0.9491079123427585};
-  constexpr double kWeight[7] = {0.4179591836734694, 0.3818300505051189, 0.2797053914892766, 0.1294849661688697, 0.3818300505051189, 0.2797053914892766, 0.1294849661688697};
+  constexpr double kAt[7] = {0,
+                             0.4058451513773972,
+                             0.7415311855993945,
+                             0.9491079123427585,
+                             -0.4058451513773972,
+                             -0.7415311855993945,
+                             -0.9491079123427585};
+  constexpr double kWeight[7] = {0.4179591836734694, 0.3818300505051189, 0.2797053914892766, 0.1294849661688697,
+                                 0.3818300505051189, 0.2797053914892766, 0.1294849661688697};
   MatrixXd products = MatrixXd::Zero(kFilmFunctions, kFilmFunctions);
   for (int i = 0; i < 7; ++i)
     for (int k = 0; k < 7; ++k) {

@@ -303,8 +303,8 @@ struct Match {
 };
 
 // The result of a converged match.
-std::optional<Match> finished(const Window& w, const Blend& blend, const Placement& at, const Normals& normals, const Normals& of_prior,
-                              const GreyImage& scan) {
+std::optional<Match> finished(const Window& w, const Blend& blend, const Placement& at, const Normals& normals,
+                              const Normals& of_prior, const GreyImage& scan) {
   double mean = 0, squares = 0;
   for (std::size_t i = 0; i < w.rows.size(); ++i)
     if (w.is_there[i]) {

@@ -268,8 +268,7 @@ std::optional<WithSigma> by_others(const std::vector<std::optional<WithSigma>>& 
   if (count < 2) return std::nullopt;
   double squares = 0;
   for_others([&](const WithSigma& one) { squares += std::pow((one.value - weighted / weights) / one.sigma, 2); });
-  const double spread2 =
-      std::max(0.0, (squares - double(count - 1)) / (weights - squared_weights / weights));
+  const double spread2 = std::max(0.0, (squares - double(count - 1)) / (weights - squared_weights / weights));
   weights = weighted = 0;
   for_others([&](const WithSigma& one) {
     const double weight = 1 / (one.sigma * one.sigma + spread2);

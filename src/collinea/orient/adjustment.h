@@ -42,7 +42,7 @@ struct Adjustment {
   std::optional<Refracted> refracted;    ///< when measurements were corrected for refraction
   std::optional<Mismatches> mismatches;  ///< of tie points, when they were rejected
   std::optional<Snooped> snooped;        ///< when gross errors were rejected; its `adjusted` may have been moved
-  std::optional<FilmEstimate> film;                ///< the deformation of scans of film
+  std::optional<FilmEstimate> film;      ///< the deformation of scans of film
   std::optional<VarianceComponents> components;    ///< when they were estimated and applied
   std::vector<AdditionalTest> additional;          ///< of cameras with additional parameters
   double additional_level = 0;                     ///< of their tests

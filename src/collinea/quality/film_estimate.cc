@@ -54,7 +54,8 @@ void add_film(Block& block) {
   }
   for (auto& [id, camera] : block.cameras) {
     if (!camera.prior.film || functions == 0) continue;
-    if (camera.additional != AdditionalSet::kFilm) std::fill(camera.params.begin() + Camera::kParams, camera.params.end(), 0.0);
+    if (camera.additional != AdditionalSet::kFilm)
+      std::fill(camera.params.begin() + Camera::kParams, camera.params.end(), 0.0);
     camera.additional = AdditionalSet::kFilm;
     camera.prior.film->functions = functions;
   }

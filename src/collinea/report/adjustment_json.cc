@@ -248,12 +248,10 @@ std::string adjustment_json(const AdjustmentReport& report) {
       {"control_points", control(report)},
       {"accuracy", accuracy_json(report)}};
   if (report.film)
-    j["film_deformation"] = {{"sigma_px", report.film->process.sigma_px},
-                             {"correlation_px", report.film->process.correlation_px},
-                             {"sigma_by_marks_px", report.film->before.sigma_px},
-                             {"rms_px", report.film->rms_px},
-                             {"adjustments", report.film->iterations + 1},
-                             {"converged", report.film->converged}};
+    j["film_deformation"] = {
+        {"sigma_px", report.film->process.sigma_px},         {"correlation_px", report.film->process.correlation_px},
+        {"sigma_by_marks_px", report.film->before.sigma_px}, {"rms_px", report.film->rms_px},
+        {"adjustments", report.film->iterations + 1},        {"converged", report.film->converged}};
   if (!report.datum_points.empty())
     j["datum_points"] = {{"names", datum_point_names(report)}, {"have_effect", adjusted.rank_defect > 0}};
   if (!report.adjusted.geodetic.empty()) j["geodetic"] = geodetic_json(report);

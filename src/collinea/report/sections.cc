@@ -105,14 +105,16 @@ std::string words_of_deformation(const Camera& camera) {
 std::string one_camera(const ReportInput& input, const ReportSummary& summary, CameraId id) {
   const Camera& camera = input.block.cameras.at(id);
   std::size_t images = 0;
-  for (const auto& [image, pose] : oriented_images(input.block)) images += input.block.common_camera(input.block.images.at(image).camera) == id;
-  std::string html = fmt::format(
-      "<h3>{}</h3><p>{}{} x {} px, {} oriented image{}, horizontal field of view {:.1f}&deg;; first focal length: "
-      "{}.{}</p>\n",
-      escaped(camera.name.empty() ? fmt::format("Camera {}", id.value) : camera.name), words_of_model(camera),
-      camera.width_px, camera.height_px, images, images == 1 ? "" : "s", field_of_view_deg(camera),
-      escaped(camera.prior.source == Provenance::kUnknown ? "unknown" : words_of(camera.prior.source)),
-      camera.prior.calibrate ? "" : " All parameters were given and fixed.") +
+  for (const auto& [image, pose] : oriented_images(input.block))
+    images += input.block.common_camera(input.block.images.at(image).camera) == id;
+  std::string html =
+      fmt::format(
+          "<h3>{}</h3><p>{}{} x {} px, {} oriented image{}, horizontal field of view {:.1f}&deg;; first focal length: "
+          "{}.{}</p>\n",
+          escaped(camera.name.empty() ? fmt::format("Camera {}", id.value) : camera.name), words_of_model(camera),
+          camera.width_px, camera.height_px, images, images == 1 ? "" : "s", field_of_view_deg(camera),
+          escaped(camera.prior.source == Provenance::kUnknown ? "unknown" : words_of(camera.prior.source)),
+          camera.prior.calibrate ? "" : " All parameters were given and fixed.") +
       words_of_deformation(camera);
   html +=
       "<table class=\"whole\"><thead><tr><th class=\"l\">parameter</th><th "

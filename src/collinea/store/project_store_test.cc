@@ -53,7 +53,12 @@ Camera any_camera(Random& random, std::size_t model, std::size_t additional) {
   camera.prior.sigma_f_px = random.uniform();
   camera.prior.calibrate = false;
   if (camera.additional == AdditionalSet::kFilm)
-    camera.prior.film = FilmPrior{random.normal(), 500, 0.02, true, model == 0, 15,
+    camera.prior.film = FilmPrior{random.normal(),
+                                  500,
+                                  0.02,
+                                  true,
+                                  model == 0,
+                                  15,
                                   {{{1, random.normal()}, {0.1, 0.2}}, {{-3, 4}, {random.normal(), 0}}}};
   return camera;
 }

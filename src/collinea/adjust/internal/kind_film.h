@@ -10,9 +10,9 @@ namespace collinea::bundle {
 /// weight, one for each function of the column and of the row.
 struct FilmDeformation : Prior<FilmDeformation> {
   struct Item {
-    std::size_t camera;        ///< in Problem::cameras
-    Eigen::Index number;       ///< of the function
-    std::size_t is_of_row;     ///< 0: of the column, 1: of the row
+    std::size_t camera;     ///< in Problem::cameras
+    Eigen::Index number;    ///< of the function
+    std::size_t is_of_row;  ///< 0: of the column, 1: of the row
   };
 
   template <class Visit>
@@ -36,8 +36,8 @@ struct FilmDeformation : Prior<FilmDeformation> {
     const int first = 6 * problem.poses + camera.first_global + static_cast<int>(camera.first_film_unknown());
     Row row;
     for (Eigen::Index i = 0; i <= item.number; ++i)
-      row.push_back({first + static_cast<int>(2 * i) + static_cast<int>(item.is_of_row),
-                     camera.film_whitening(item.number, i)});
+      row.push_back(
+          {first + static_cast<int>(2 * i) + static_cast<int>(item.is_of_row), camera.film_whitening(item.number, i)});
     return row;
   }
 };

@@ -3,10 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 
 #include "collinea/base/units.h"
+#include "collinea/film/scan_deformation.h"
 #include "collinea/math/median.h"
 
 namespace collinea {
@@ -17,55 +17,17 @@ namespace fs = std::filesystem;
 // A scan whose marks miss by more than this, and by three times what those of others do, is called poor.
 constexpr double kPoorRms_mm = 0.02, kPoorTimes = 3;
 
-// Of the width of the image: the length of correlation that an adjustment begins with.
-constexpr double kFirstCorrelation = 1.0 / 7;
-
-// What the marks of a scan say of its deformation. An affine transformation takes its part of it; of another one with
-// so few marks nothing is taken.
-FilmPrior prior_of(const ScanOrientation& scan, const IdealImage& ideal) {
-  FilmPrior prior{.mark_sigma_px = scan.mark_sigma_px * scan.pixel_mm() / ideal.pixel_mm};
-  const FilmTransformation& scan_from_film = scan.scan_from_film();
-  if (scan_from_film.model != FilmModel::kAffine) return prior;
-  for (const FilmMarkResidual& mark : scan.choice.fit.marks) {
-    if (!mark.is_used) continue;
-    for (const CalibratedMark& known : ideal.calibration.marks) {
-      if (known.name != mark.name) continue;
-      const Eigen::Vector2d film_mm =
-          known.film_mm + scan_from_film.by_film(known.film_mm).inverse() * mark.residual_px;
-      const Eigen::Vector2d pixel = ideal.pixel_of(known.film_mm);
-      prior.marks.push_back({pixel, ideal.pixel_of(film_mm) - pixel});
-    }
-  }
-  return prior;
-}
-
 // Fills FilmFolder::deformed.
 void find_deformation(const ImportOptions& options, FilmFolder& folder) {
-  if (options.film_deformation_um == 0.0) return;
-  const Camera& camera = folder.ideal.camera;
-  const ImageExtent size{double(camera.width_px), double(camera.height_px)};
+  GivenDeformation given;
+  if (options.film_deformation_um) given.sigma_mm = 1e-3 * *options.film_deformation_um;
+  given.correlation_mm = options.film_correlation_mm;
   std::vector<std::string> files;
-  std::vector<FilmPrior> priors;
+  std::vector<const ScanOrientation*> scans;
   for (const auto& [file, scan] : folder.scans)
-    if (scan) files.push_back(file), priors.push_back(prior_of(*scan, folder.ideal));
-  FilmPrior common{.correlation_px = kFirstCorrelation * camera.width_px};
-  if (const auto& length_mm = options.film_correlation_mm) {
-    common.correlation_px = *length_mm / folder.ideal.pixel_mm;
-    common.correlation_is_given = true;
-  }
-  if (const auto& sigma_um = options.film_deformation_um) {
-    common.sigma_px = 1e-3 * *sigma_um / folder.ideal.pixel_mm;
-    common.sigma_is_given = true;
-  } else if (const auto sigma_px = sigma_by_marks(priors, size, common.correlation_px)) {
-    common.sigma_px = *sigma_px;
-  } else {
-    return;
-  }
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    FilmPrior& prior = folder.deformed[files[i]] = common;
-    prior.mark_sigma_px = priors[i].mark_sigma_px;
-    prior.marks = std::move(priors[i].marks);
-  }
+    if (scan) files.push_back(file), scans.push_back(&*scan);
+  std::vector<FilmPrior> priors = scan_deformation(scans, folder.ideal, given);
+  for (std::size_t i = 0; i < priors.size(); ++i) folder.deformed.emplace(files[i], std::move(priors[i]));
 }
 
 }  // namespace

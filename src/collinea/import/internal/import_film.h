@@ -22,8 +22,8 @@ struct FilmFolder {
   [[nodiscard]] ImageHeader header() const;
 };
 
-/// Finds the marks of every scan and orients it; the ideal image has pixels of the scans' size (the median). Errors: the
-/// calibration, options that contradict it, no scan with marks.
+/// Finds the marks of every scan and orients it; the ideal image has pixels of the scans' size (the median). Errors:
+/// the calibration, options that contradict it, no scan with marks.
 [[nodiscard]] Result<FilmFolder> film_folder(const std::filesystem::path& photos, const std::vector<std::string>& files,
                                              const ImportOptions& options, const Run& run);
 
