@@ -75,8 +75,8 @@ struct LevelSurface {
 ///     (at least half a pixel), until none goes. (Karfis' filter takes mean and standard deviation in a circle, which
 ///     never rejects anything among fewer than eleven points, nor a third of wrong ones.)
 /// Of more than two million points those of the largest corner measure are taken. Memory: the images and some 300 bytes
-/// a point. Same bits for any number of threads. Errors: images of different heights, fewer than three points of the guide that
-/// do not lie on a line, options, stopped.
+/// a point. Same bits for any number of threads. Errors: images of different heights, fewer than three points of the
+/// guide that do not lie on a line, options, stopped.
 [[nodiscard]] Result<LevelSurface> match_by_levels(
     const GreyImage& left, const GreyImage& right, std::span<const LevelPoint> guide,
     const std::function<double(const Eigen::Vector2d& left_px)>& row_sigma_px, const LevelOptions& options,

@@ -186,7 +186,8 @@ TEST(Pair, ALensComesFromACameraFile) {
   PairChainOptions options;
   options.camera = village.folder / "camera.txt";
   options.levels.levels = 1;
-  ASSERT_TRUE(write_file(*options.camera, "# ID MODEL WIDTH HEIGHT PARAMS\n1 OPENCV 800 600 600 600 400 300 -0.06 0 0 0\n"));
+  ASSERT_TRUE(
+      write_file(*options.camera, "# ID MODEL WIDTH HEIGHT PARAMS\n1 OPENCV 800 600 600 600 400 300 -0.06 0 0 0\n"));
   const auto with = orient_and_match(village.left, village.right, village.folder / "pair", options, {.threads = 2});
   ASSERT_TRUE(with) << with.error().message;
   const Rigid3 truth = village.right_from_left();

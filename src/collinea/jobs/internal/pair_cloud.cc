@@ -31,9 +31,7 @@ double middle_half(std::vector<double> values) {
   return values[values.size() * 3 / 4] - values[values.size() / 4];
 }
 
-double median_or(std::vector<double> values, double otherwise) {
-  return values.empty() ? otherwise : median(values);
-}
+double median_or(std::vector<double> values, double otherwise) { return values.empty() ? otherwise : median(values); }
 
 }  // namespace
 
@@ -122,8 +120,7 @@ Result<PairCloudSummary> PairCloud::finish() {
                            .median_sigma_z = median_or(sigmas_z_.values(), 0),
                            .pixel_m = median_or(sizes_m_.values(), 1)};
   if (points_ > 0)
-    summary.distance_m =
-        std::sqrt(middle_half(x_m_.values()) * middle_half(y_m_.values()) / (0.25 * double(points_)));
+    summary.distance_m = std::sqrt(middle_half(x_m_.values()) * middle_half(y_m_.values()) / (0.25 * double(points_)));
   return summary;
 }
 

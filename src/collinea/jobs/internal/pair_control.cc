@@ -52,8 +52,7 @@ Result<InImages> in_images(const Control& control, std::size_t i, const PairFile
   InImages at{{control.pixels[0][i], control.pixels[1][i]}, {control.pixels[2][i], control.pixels[3][i]}};
   if (pair.film) {
     const auto left = pair.film->in_left(at.left_px), right = pair.film->in_right(at.right_px);
-    if (!left || !right)
-      return fail(Errc::kBadInput, fmt::format("point {} lies beyond the film", control.names[i]));
+    if (!left || !right) return fail(Errc::kBadInput, fmt::format("point {} lies beyond the film", control.names[i]));
     at = {*left, *right};
   }
   return InImages{at.left_px / shrink, at.right_px / shrink};

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <memory>
 
+#include "collinea/cloud/ply_reader.h"
 #include "collinea/ortho/orthophoto.h"
 #include "collinea/radiometry/view.h"
 #include "collinea/raster/hillshade.h"
 #include "collinea/raster/image_file.h"
-#include "collinea/cloud/ply_reader.h"
 #include "collinea/surface/dsm.h"
 
 namespace collinea {

@@ -41,7 +41,8 @@ Eigen::Matrix3d essential_of(const Rigid3& second_from_first) {
 constexpr double kFarthest_px = 2;  // that least squares matching may move a point
 
 // Cameras of a file, as large as the images.
-Result<std::array<Camera, 2>> cameras_of_file(const PairChainOptions& options, const std::array<ImageHeader, 2>& headers,
+Result<std::array<Camera, 2>> cameras_of_file(const PairChainOptions& options,
+                                              const std::array<ImageHeader, 2>& headers,
                                               const std::array<fs::path, 2>& files) {
   COLLINEA_TRY(const std::vector<Camera> known, read_colmap_cameras(*options.camera));
   if (known.size() > 2)
@@ -77,7 +78,8 @@ Result<std::array<Camera, 2>> cameras_by_options(const PairChainOptions& options
 }  // namespace
 
 double PairFiles::pixels() const {
-  return std::max(double(cameras[0].width_px) * cameras[0].height_px, double(cameras[1].width_px) * cameras[1].height_px);
+  return std::max(double(cameras[0].width_px) * cameras[0].height_px,
+                  double(cameras[1].width_px) * cameras[1].height_px);
 }
 
 Rigid3 PairModel::right_from_left() const {
@@ -107,8 +109,8 @@ Result<PairFiles> open_pair(const fs::path& left, const fs::path& right, const f
   for (std::size_t i = 0; i < 2; ++i) {
     COLLINEA_TRY(headers[i], read_image_header(pair.files[i]));
   }
-  COLLINEA_TRY(pair.cameras, options.camera ? cameras_of_file(options, headers, pair.files)
-                                            : cameras_by_options(options, headers));
+  COLLINEA_TRY(pair.cameras,
+               options.camera ? cameras_of_file(options, headers, pair.files) : cameras_by_options(options, headers));
   return pair;
 }
 

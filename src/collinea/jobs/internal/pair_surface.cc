@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kPartAround = 0.15;   // of the range of disparities, that semi-global matching looks at beyond it
+constexpr double kPartAround = 0.15;    // of the range of disparities, that semi-global matching looks at beyond it
 constexpr double kLargestWhole = 20e6;  // pixels that are matched at once
 constexpr std::size_t kBatch = 20'000;
 constexpr int kBandRows = 16;
@@ -103,7 +103,8 @@ EpipolarImages epipolar_images(PairImages images, const PairModel& model, Interp
   EpipolarImages made;
   made.left = resampled(images.left, model.left_camera, cameras.left_from_image, cameras.left, run, {}, resampling);
   images.left = {};
-  made.right = resampled(images.right, model.right_camera, cameras.right_from_image, cameras.right, run, {}, resampling);
+  made.right =
+      resampled(images.right, model.right_camera, cameras.right_from_image, cameras.right, run, {}, resampling);
   return made;
 }
 
