@@ -73,8 +73,9 @@ class Reduced {
   // Of what lies in a part, or round it where that has too little.
   [[nodiscard]] DisparityRange range_of(const Rectangle& part) const {
     for (int margin = kMargin_px / shrink_;; margin = 2 * margin + 8) {
-      const Rectangle small = Rectangle{part.x0 / shrink_, part.y0 / shrink_, part.x1 / shrink_, part.y1 / shrink_}
-                                  .widened(margin, disparity_.width, disparity_.height);
+      const Rectangle small =
+          Rectangle{part.x0 / shrink_, part.y0 / shrink_, part.x1 / shrink_, part.y1 / shrink_}.widened(
+              margin, disparity_.width, disparity_.height);
       std::vector<float> values = values_in(small);
       if (values.size() >= kFewestValues) return range_of(values);
       if (small.area() >= double(disparity_.data.size())) return whole_;
@@ -119,8 +120,7 @@ class Division {
   void add(const Rectangle& part) {
     const DisparityRange range = reduced_.range_of(part);
     if (range.high < range.low || !is_shown(part, range, right_.width) || is_empty(left_, part)) return;
-    const double work =
-        part.widened(kMargin_px, left_.width, left_.height).area() * double(range.high - range.low + 1);
+    const double work = part.widened(kMargin_px, left_.width, left_.height).area() * double(range.high - range.low + 1);
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
     if (work > kLargestWork && std::max(width, height) > kLeastPart_px) {
       const int x = part.x0 + (width + 1) / 2, y = part.y0 + (height + 1) / 2;
@@ -160,9 +160,8 @@ Result<StereoParts> stereo_parts(const GreyImage& left, const GreyImage& right, 
 
 Result<DisparityMap> match_part(const GreyImage& left, const GreyImage& right, const StereoPart& part,
                                 const StereoOptions& options, const Run& run) {
-  const Rectangle wide =
-      Rectangle{part.column, part.row, part.column + part.width, part.row + part.height}.widened(
-          kMargin_px, left.width, left.height);
+  const Rectangle wide = Rectangle{part.column, part.row, part.column + part.width, part.row + part.height}.widened(
+      kMargin_px, left.width, left.height);
   DisparityMap map{FloatImage(part.width, part.height, 1, kNaN), FloatImage(part.width, part.height, 1, kNaN)};
   // Of the right image all that the wide part may show, with the windows round it.
   const Rectangle there{std::max(wide.x0 - part.range.high - kMargin_px, 0), wide.y0,

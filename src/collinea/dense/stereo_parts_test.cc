@@ -11,7 +11,9 @@ namespace collinea {
 namespace {
 
 // A slope whose disparities reach from 12 to 50, in a picture of two parts, with a square before it.
-test::TestPair slope() { return {.width = 1000, .height = 400, .at_left = 12.3, .slope = 0.038, .square = 60, .noise = 2}; }
+test::TestPair slope() {
+  return {.width = 1000, .height = 400, .at_left = 12.3, .slope = 0.038, .square = 60, .noise = 2};
+}
 
 constexpr DisparityRange kWhole{0, 120};
 
@@ -43,7 +45,7 @@ TEST(StereoParts, EachHasTheDisparitiesOfItsReliefAlone) {
     const bool has_square = part.column == 0;
     if (has_square) {
       EXPECT_GE(part.range.high, 60);  // 50 x 50 pixels of 768 x 400
-    } else {  // two reduced pixels and a sixth on either side, and rounding
+    } else {                           // two reduced pixels and a sixth on either side, and rounding
       EXPECT_LT(part.range.high - part.range.low, 1.4 * (high - low) + 12);
     }
   }

@@ -49,9 +49,9 @@ PlaneAngle largest_angle(std::span<const ImageLine> lines) {
       const double sine = a.cross(b).norm();
       if (!(sine > std::sin(best.angle))) continue;
       const double cosine = a.dot(b);
-      best = {i, k, std::asin(std::min(sine, 1.0)),
-              std::hypot(normal_sigma(lines[i], (b - cosine * a) / sine),
-                         normal_sigma(lines[k], (a - cosine * b) / sine))};
+      best = {
+          i, k, std::asin(std::min(sine, 1.0)),
+          std::hypot(normal_sigma(lines[i], (b - cosine * a) / sine), normal_sigma(lines[k], (a - cosine * b) / sine))};
     }
   return best;
 }

@@ -31,12 +31,12 @@ struct PixelLine {
 
 /// A straight line in space. Four parameters are free: shift and tilt across it.
 struct SpaceLine {
-  Eigen::Vector3d point, direction;        ///< direction of unit length
-  Eigen::Matrix<double, 3, 2> across;      ///< two unit vectors across the direction, and across each other
-  Eigen::Matrix4d covariance;              ///< of [shift of the point along `across` (m), tilt of the direction (rad)]
-  int redundancy = 0;                      ///< 2 N - 4
-  double squares = 0;                      ///< v' P v of the image lines
-  double sigma0 = 1;                       ///< of unit weight; 1 of two images: they fit any line
+  Eigen::Vector3d point, direction;    ///< direction of unit length
+  Eigen::Matrix<double, 3, 2> across;  ///< two unit vectors across the direction, and across each other
+  Eigen::Matrix4d covariance;          ///< of [shift of the point along `across` (m), tilt of the direction (rad)]
+  int redundancy = 0;                  ///< 2 N - 4
+  double squares = 0;                  ///< v' P v of the image lines
+  double sigma0 = 1;                   ///< of unit weight; 1 of two images: they fit any line
   double angle_rad = 0, angle_sigma_rad = 0;  ///< the largest between two planes of rays
 
   [[nodiscard]] Eigen::Vector3d at(double along_m) const { return point + along_m * direction; }

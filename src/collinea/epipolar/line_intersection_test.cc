@@ -167,8 +167,8 @@ TEST(LineIntersection, PixelsAreThoseOfTheirCamera) {
   const double focal = 800;
   const Vector2d centre(320, 240);
   const Matrix2d covariance{{1e-6, 2e-5}, {2e-5, 4e-3}};
-  const ImageLine line = image_line({}, focal, centre,
-                                    {std::atan2(normal.y(), normal.x()), normal.dot(a), covariance, (a + b) / 2});
+  const ImageLine line =
+      image_line({}, focal, centre, {std::atan2(normal.y(), normal.x()), normal.dot(a), covariance, (a + b) / 2});
   for (const Vector2d& p : {a, b}) {
     const Vector2d xy = (p - centre) / focal;
     EXPECT_NEAR(xy.x() * std::cos(line.theta_rad) + xy.y() * std::sin(line.theta_rad), line.r, 1e-12);

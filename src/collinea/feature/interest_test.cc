@@ -233,8 +233,12 @@ TEST(Interest, AnIsolatedPixelIsRejected) {
 TEST(Interest, PixelsByStripsAreThoseOfTheWholeImage) {
   GreyImage image = random_image(90, 600, 5);
   image.at(40, 300) = 255;
-  InterestOptions options{.method = O::kKovesi, .threshold = 9000, .radius_px = 2, .sub_pixel = SubPixel::kNone,
-                          .max_points = 1'000'000, .evenness = 0};
+  InterestOptions options{.method = O::kKovesi,
+                          .threshold = 9000,
+                          .radius_px = 2,
+                          .sub_pixel = SubPixel::kNone,
+                          .max_points = 1'000'000,
+                          .evenness = 0};
   const auto strips = interest_pixels(image, options, {});
   std::vector<MapPixel> whole;
   for (const InterestPoint& point : find_interest_points(image, options).points)

@@ -25,7 +25,8 @@ struct ScanOrientation {
 /// marks, as mark_search().
 [[nodiscard]] Result<MarkSearch> film_search(const FilmScanOptions& options, const std::filesystem::path& first_scan);
 
-/// Reads a scan and orients it. Marks are found in it with pixels of at most 30 um: finer ones are reduced. Errors: file, marks that are not found, as oriented_scan().
+/// Reads a scan and orients it. Marks are found in it with pixels of at most 30 um: finer ones are reduced. Errors:
+/// file, marks that are not found, as oriented_scan().
 [[nodiscard]] Result<ScanOrientation> orient_scan(const std::filesystem::path& scan, const MarkSearch& search,
                                                   const Run& run);
 

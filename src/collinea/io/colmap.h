@@ -29,8 +29,8 @@ enum class ColmapEncoding { kText, kBinary };
 /// files missing or damaged, other camera models.
 [[nodiscard]] Result<Block> read_colmap(const std::filesystem::path& folder);
 
-/// The cameras of a file cameras.txt of COLMAP alone, by their ids: a line each, ID MODEL WIDTH HEIGHT PARAMS. Models as
-/// read_colmap(). Errors: missing, damaged, no camera, other models.
+/// The cameras of a file cameras.txt of COLMAP alone, by their ids: a line each, ID MODEL WIDTH HEIGHT PARAMS. Models
+/// as read_colmap(). Errors: missing, damaged, no camera, other models.
 [[nodiscard]] Result<std::vector<Camera>> read_colmap_cameras(const std::filesystem::path& file);
 
 }  // namespace collinea

@@ -21,8 +21,8 @@ std::size_t image_memory(const OrthoScene& scene) {
   for (std::size_t v = 0; v < scene.views.size(); ++v) {
     const Camera& camera = scene.views[v].camera;
     const std::size_t shrink = std::size_t(scene.shrink[v]);
-    most = std::max(most, 2 * 3 * (std::size_t(camera.width_px) / shrink + 1) *
-                              (std::size_t(camera.height_px) / shrink + 1));
+    most = std::max(most,
+                    2 * 3 * (std::size_t(camera.width_px) / shrink + 1) * (std::size_t(camera.height_px) / shrink + 1));
   }
   return most;
 }

@@ -22,8 +22,8 @@ using VI = hn::Vec<I>;
 
 // Positions whose sixteen samples all lie in the image.
 struct Cells {
-  VI column, row;     // of the first of the samples
-  VI across, down;    // four floats of a table of weights each, in bytes
+  VI column, row;   // of the first of the samples
+  VI across, down;  // four floats of a table of weights each, in bytes
 };
 
 // False where a position is too near the border, or none.
@@ -90,8 +90,8 @@ HWY_INLINE void grey_cells(const Raster<std::uint8_t>& image, const Cells& cells
   VF sum = hn::Zero(F());
   for (int j = 0; j < 4; ++j, at = hn::Add(at, stride)) {
     const VI four = bytes_at(image.data.data(), at);
-    sum = hn::Add(sum, hn::Mul(down.w[j], across.of(byte_of<0>(four), byte_of<1>(four), byte_of<2>(four),
-                                                    byte_of<3>(four))));
+    sum = hn::Add(
+        sum, hn::Mul(down.w[j], across.of(byte_of<0>(four), byte_of<1>(four), byte_of<2>(four), byte_of<3>(four))));
   }
   store(grey_of(sum), out, 1);
 }
@@ -163,7 +163,7 @@ void cubic_row(const Raster<std::uint8_t>& image, const float* x, const float* y
     done += together;
     const int rest = std::min(kAtOnce, count - done);
     (image.channels == 1 ? one_by_one<1> : one_by_one<3>)(image, x + done, y + done, rest,
-                                                         to + std::ptrdiff_t(together) * image.channels);
+                                                          to + std::ptrdiff_t(together) * image.channels);
     done += rest;
   }
 }
