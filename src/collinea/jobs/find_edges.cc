@@ -22,7 +22,7 @@ using Eigen::Vector2d;
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kRotationStepDeg = 6;
 constexpr int kEllipseVertices = 72;
-constexpr Colour kEdgeColour{255, 200, 0}, kFoundColour{255, 0, 60};
+constexpr MarkColour kEdgeColour{255, 200, 0}, kFoundColour{255, 0, 60};
 
 // What was found, as a table and as curves for the image and the vectors.
 struct Found {

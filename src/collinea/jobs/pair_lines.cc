@@ -21,15 +21,15 @@ namespace fs = std::filesystem;
 using Eigen::Vector2d;
 
 constexpr int kRim_px = 5;  // an edge point so near to where an image has nothing is of its rim
-constexpr Colour kUnmatched{150, 150, 150};
-constexpr std::array<Colour, 8> kColours = {{{255, 60, 60},
-                                             {60, 200, 60},
-                                             {80, 120, 255},
-                                             {255, 190, 0},
-                                             {230, 80, 230},
-                                             {0, 210, 210},
-                                             {255, 130, 40},
-                                             {160, 220, 60}}};
+constexpr MarkColour kUnmatched{150, 150, 150};
+constexpr std::array<MarkColour, 8> kColours = {{{255, 60, 60},
+                                                 {60, 200, 60},
+                                                 {80, 120, 255},
+                                                 {255, 190, 0},
+                                                 {230, 80, 230},
+                                                 {0, 210, 210},
+                                                 {255, 130, 40},
+                                                 {160, 220, 60}}};
 
 // Straight edges of one image, and the points that they are made of.
 struct SideLines {
@@ -108,7 +108,7 @@ ColourImage drawn_over(const GreyImage& grey) {
   return out;
 }
 
-void draw_thick(ColourImage& image, const EdgeLine& line, const Colour& colour) {
+void draw_thick(ColourImage& image, const EdgeLine& line, const MarkColour& colour) {
   for (const double off : {-0.5, 0.5})
     draw_line(image, line.from + off * line.normal(), line.to + off * line.normal(), colour);
 }
