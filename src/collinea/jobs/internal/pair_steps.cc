@@ -34,6 +34,8 @@ double peak_bytes(double pixels, PairSurface surface) {
 }
 
 constexpr double kFarthest_px = 2;  // that least squares matching may move a point
+// Larger windows overlap those of neighbouring points: sigma 0 falls, errors of the orientation do not.
+constexpr int kWindow_px = 15;
 // What lenses and windows on curved surfaces add to the noise of matching: with it sigma 0 of three pairs of a wall was
 // 0.69 to 1.12, without 1.1 to 1.9 (docs/theory/least-squares-matching.md).
 constexpr double kBeyondNoise_px = 0.06;
@@ -170,6 +172,7 @@ Result<PairOrientation> oriented_by(const std::string& by, std::vector<MatchedPo
 std::vector<MatchedPoint> refined(const std::vector<MatchedPoint>& points, const PairImages& images, const Run& run) {
   WindowOptions options;
   options.farthest_px = kFarthest_px;
+  options.window_px = kWindow_px;
   std::vector<std::optional<MatchedPoint>> found(points.size());
   parallel_for(run, points.size(), [&](std::size_t i) {
     const auto match = match_window(images.left, points[i].left_px, images.right, {points[i].right_px}, options);
