@@ -54,7 +54,8 @@ TEST(Survey, TheSameOptionsGiveTheSameTruth) {
 TEST(Survey, NeighboursOverlapAsPlanned) {
   SurveyOptions o = small_survey();
   o.attitude_jitter_deg = o.position_jitter_m = 0;
-  o.camera.k1 = o.camera.k2 = o.camera.k3 = o.camera.p1 = o.camera.p2 = o.relief_m = 0;
+  o.camera.k1 = o.camera.k2 = o.camera.k3 = o.camera.p1 = o.camera.p2 = 0;
+  o.relief_m = 0;
   o.building_area_m2 = 0;
   const Truth truth = *make_survey(o);
   const auto position = [&](std::uint32_t i) { return centre_of(pose_of(truth.block, ImageId{i})); };
