@@ -71,9 +71,15 @@ Vector3d random_vector(Random& random, double size) {
   return {size * random.normal(), size * random.normal(), size * random.normal()};
 }
 
-// A model with errors and its control.
-std::vector<AbsoluteControl> control() {
-  Random random(1);
+Eigen::Matrix3d random_covariance(Random& random) {
+  Eigen::Matrix3d root;
+  for (int i = 0; i < 9; ++i) root(i / 3, i % 3) = random.normal();
+  return 0.001 * (0.3 * root * root.transpose() + 0.5 * Eigen::Matrix3d::Identity());
+}
+
+// A model with errors and its control; of alike points the closed form is the answer, of others it is a start.
+std::vector<AbsoluteControl> control(bool are_alike) {
+  Random random(1), other(5);
   const Similarity3 truth{1.7, rotation_by({0.1, -0.2, 2}), {100, 200, 300}};
   std::vector<AbsoluteControl> pairs;
   for (int i = 0; i < kPoints; ++i) {
@@ -83,6 +89,7 @@ std::vector<AbsoluteControl> control() {
     pair.in_model += random_vector(random, 0.05);
     pair.model_covariance = 0.0025 * Eigen::Matrix3d::Identity();
     pair.ground_covariance = 0.0009 * Eigen::Matrix3d::Identity();
+    if (!are_alike) pair.model_covariance = random_covariance(other), pair.ground_covariance = random_covariance(other);
     pairs.push_back(pair);
   }
   return pairs;
@@ -262,7 +269,7 @@ Work match_template(const Inputs&...) {
 
 // What all rows work on.
 struct Inputs {
-  std::vector<AbsoluteControl> pairs = control();
+  std::vector<AbsoluteControl> pairs = control(true), uneven = control(false);
   std::vector<Vector3d> model, ground;
   Photograph exact{0}, measured{0.03};
   std::vector<PairPoint> points = pair_points();
@@ -280,7 +287,9 @@ struct Inputs {
 std::vector<Row> rows_of(const Inputs& in) {
   const double megapixels = 1e-6 * kImageSide_px * kImageSide_px;
   const auto map = [&in](InterestOperator method) {
-    return [&in, method] { (void)interest_map(in.image, {.method = method}); };
+    InterestOptions options;
+    options.method = method;
+    return [&in, options] { (void)interest_map(in.image, options); };
   };
   const auto surface = [&in](Similarity method) {
     return [&in, method] {
@@ -291,6 +300,12 @@ std::vector<Row> rows_of(const Inputs& in) {
   using enum PairRejection;
   return {
       {"absolute orientation", "", [&in] { must(absolute_orientation(in.pairs), "absolute"); }, {}, 0, 1},
+      {"absolute, a covariance of each point",
+       "",
+       [&in] { must(absolute_orientation(in.uneven), "absolute"); },
+       {},
+       0,
+       1},
       {"absolute, Umeyama alone", "estimateAffine3D (rotation)", [&in] { must(align(in.model, in.ground), "align"); },
        umeyama(in.model, in.ground)},
       {"resection", "solvePnP iterative", resection(in.exact), solve_pnp(in.exact), 0, 1},

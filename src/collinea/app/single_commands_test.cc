@@ -42,7 +42,7 @@ class Waves {
   std::array<std::array<double, 3>, 12> waves_;
 };
 
-// How far the right photograph sees what lies at a position of the left one to its left: hills 36 to 44 m away.
+// How far the right image sees what lies at a position of the left one to its left: hills 36 to 44 m away.
 double disparity_px(double x, double y) { return 100 + 9 * std::sin(x / 70) * std::cos(y / 60); }
 
 struct Rendered {
@@ -61,11 +61,11 @@ struct Rendered {
   }
 };
 
-// Two photographs of the normal case, straight down on hills.
-struct Photographs {
+// Two images of the normal case, straight down on hills, as files.
+struct HillPair {
   TestFolder folder;
 
-  Photographs() {
+  HillPair() {
     static const Rendered rendered;
     EXPECT_TRUE(write_png(folder / "left.png", rendered.left));
     EXPECT_TRUE(write_png(folder / "right.png", rendered.right));
@@ -92,17 +92,17 @@ void expect_refusal(const Outcome& outcome, int code, const char* named) {
 }
 
 TEST(SingleCommands, PairMakesASurface) {
-  const Photographs photos;
-  const std::string left = photos.at("left.png"), right = photos.at("right.png"), out = photos.at("out");
+  const HillPair hills;
+  const std::string left = hills.at("left.png"), right = hills.at("right.png"), out = hills.at("out");
   const Outcome made =
       collinea_with({"pair", left, right, "-o", out, "--principal-distance-px", "400", "--base-m", "10", "--max-points",
                      "150", "--levels", "1", "--first-threshold", "300", "--last-threshold", "300"});
   expect_answer(made, "relative orientation by lsm");
   expect_files(out, {"pair.txt", "points.txt", "epipolar_left.png", "epipolar_right.png", "cloud.ply"});
-  EXPECT_EQ(read_file(photos.folder / "out/pair.txt").value_or(""), made.out);
+  EXPECT_EQ(read_file(hills.folder / "out/pair.txt").value_or(""), made.out);
   expect_refusal(collinea_with({"pair", left, right, "-o", out}), 2, "--principal-distance-px");
-  ASSERT_TRUE(write_file(photos.folder / "words.png", "no image at all"));
-  expect_refusal(collinea_with({"pair", left, photos.at("words.png"), "-o", out, "--principal-distance-px", "400"}), 4,
+  ASSERT_TRUE(write_file(hills.folder / "words.png", "no image at all"));
+  expect_refusal(collinea_with({"pair", left, hills.at("words.png"), "-o", out, "--principal-distance-px", "400"}), 4,
                  "words.png");
 }
 
@@ -134,38 +134,38 @@ TEST(SingleCommands, GridAndEvaluateMeetOnAHill) {
 }
 
 TEST(SingleCommands, EnhanceWritesTheImageAndItsStatistics) {
-  const Photographs photos;
-  const std::string left = photos.at("left.png"), out = photos.at("out");
+  const HillPair hills;
+  const std::string left = hills.at("left.png"), out = hills.at("out");
   const Outcome made = collinea_with({"enhance", left, "-o", out, "--contrast", "stretch", "--palette", "heat"});
   expect_answer(made, "becomes black");
   expect_files(out, {"enhanced.png", "statistics.txt", "histogram.txt", "histogram.svg"});
   expect_refusal(collinea_with({"enhance", left, "-o", out, "--colour", "--palette", "heat"}), 2, "--palette");
-  ASSERT_TRUE(write_png(photos.folder / "flat.png", GreyImage(20, 20, 1, 80)));
-  expect_refusal(collinea_with({"enhance", photos.at("flat.png"), "-o", out, "--lut", "threshold"}), 6, "--threshold");
+  ASSERT_TRUE(write_png(hills.folder / "flat.png", GreyImage(20, 20, 1, 80)));
+  expect_refusal(collinea_with({"enhance", hills.at("flat.png"), "-o", out, "--lut", "threshold"}), 6, "--threshold");
 }
 
 TEST(SingleCommands, CorrelateFindsPointsOfOneImageInTheOther) {
-  const Photographs photos;
-  const std::string left = photos.at("left.png"), right = photos.at("right.png"), out = photos.at("out");
-  ASSERT_TRUE(write_file(photos.folder / "points.txt", "point x_left[px] y_left[px]\nA 200 100\nB 250 180\n"));
+  const HillPair hills;
+  const std::string left = hills.at("left.png"), right = hills.at("right.png"), out = hills.at("out");
+  ASSERT_TRUE(write_file(hills.folder / "points.txt", "point x_left[px] y_left[px]\nA 200 100\nB 250 180\n"));
   const Outcome made = collinea_with(
-      {"correlate", left, right, "-o", out, "--points", photos.at("points.txt"), "--parallax-px", "100,0"});
+      {"correlate", left, right, "-o", out, "--points", hills.at("points.txt"), "--parallax-px", "100,0"});
   expect_answer(made, "2 points");
   expect_files(out, {"correlated.txt", "left.png", "right.png"});
-  const auto table = read_text_table(photos.folder / "out/correlated.txt");
+  const auto table = read_text_table(hills.folder / "out/correlated.txt");
   ASSERT_TRUE(table) << table.error().message;
   // To a fifth of a pixel, which is what area matching is good for.
   const std::vector<double> x = table->numbers("x_right", "px").value_or(std::vector<double>{});
   ASSERT_EQ(x.size(), 2u);
   EXPECT_NEAR(x[0], 200 - disparity_px(200, 100), 0.2);
   EXPECT_NEAR(x[1], 250 - disparity_px(250, 180), 0.2);
-  ASSERT_TRUE(write_file(photos.folder / "bad.txt", "point x_left[px]\nA 200\n"));
-  expect_refusal(collinea_with({"correlate", left, right, "-o", out, "--points", photos.at("bad.txt")}), 4, "y_left");
+  ASSERT_TRUE(write_file(hills.folder / "bad.txt", "point x_left[px]\nA 200\n"));
+  expect_refusal(collinea_with({"correlate", left, right, "-o", out, "--points", hills.at("bad.txt")}), 4, "y_left");
   expect_refusal(collinea_with({"correlate", left, right, "-o", out, "--template-px", "20"}), 2, "--template-px");
 }
 
 TEST(SingleCommands, IntersectionMatchesItsPointsInTheImages) {
-  const Photographs photos;
+  const HillPair hills;
   std::string measured = "image point x[px] y[px]\n";
   int n = 0;
   for (const int y : {80, 130, 190})
@@ -174,22 +174,22 @@ TEST(SingleCommands, IntersectionMatchesItsPointsInTheImages) {
       measured += "left" + point + std::to_string(x) + " " + std::to_string(y) + "\n";
       measured += "right" + point + std::to_string(x - disparity_px(x, y) + 0.7) + " " + std::to_string(y) + "\n";
     }
-  ASSERT_TRUE(write_file(photos.folder / "measured.txt", measured));
+  ASSERT_TRUE(write_file(hills.folder / "measured.txt", measured));
   ASSERT_TRUE(
-      write_file(photos.folder / "poses.txt", "image X Y Z omega phi kappa\nleft 0 0 40 0 0 0\nright 10 0 40 0 0 0\n"));
+      write_file(hills.folder / "poses.txt", "image X Y Z omega phi kappa\nleft 0 0 40 0 0 0\nright 10 0 40 0 0 0\n"));
   const std::vector<std::string> asked = {"intersection",
-                                          photos.at("measured.txt"),
-                                          photos.at("poses.txt"),
+                                          hills.at("measured.txt"),
+                                          hills.at("poses.txt"),
                                           "--principal-distance",
                                           "400",
                                           "--principal-point",
                                           "180,135"};
   std::vector<std::string> with_images = asked;
-  with_images.insert(with_images.end(), {"--images", photos.at(""), "--out", photos.at("out")});
+  with_images.insert(with_images.end(), {"--images", hills.at(""), "--out", hills.at("out")});
   const Outcome made = collinea_with(with_images);
   expect_answer(made, "matched in all images");
-  expect_files(photos.folder / "out", {"points.txt", "residuals.txt", "refined.txt", "windows.txt"});
-  const auto refined = read_text_table(photos.folder / "out/refined.txt");
+  expect_files(hills.folder / "out", {"points.txt", "residuals.txt", "refined.txt", "windows.txt"});
+  const auto refined = read_text_table(hills.folder / "out/refined.txt");
   ASSERT_TRUE(refined) << refined.error().message;
   const auto names = refined->words("point");
   const auto heights = refined->numbers("Z", "m");
@@ -204,20 +204,20 @@ TEST(SingleCommands, IntersectionMatchesItsPointsInTheImages) {
     EXPECT_NEAR((*heights)[i], 40 - depth, 0.08);  // a fifth of a pixel of disparity
   }
   std::vector<std::string> elsewhere = asked;
-  elsewhere.insert(elsewhere.end(), {"--images", photos.at("none")});
+  elsewhere.insert(elsewhere.end(), {"--images", hills.at("none")});
   expect_refusal(collinea_with(elsewhere), 3, "none");
-  ASSERT_TRUE(write_file(photos.folder / "poses.txt", "image X Y Z omega phi\nleft 0 0 40 0 0\n"));
+  ASSERT_TRUE(write_file(hills.folder / "poses.txt", "image X Y Z omega phi\nleft 0 0 40 0 0\n"));
   expect_refusal(collinea_with(asked), 4, "kappa");
 }
 
 TEST(SingleCommands, InterestWritesPointsAndTheirMap) {
-  const Photographs photos;
-  const std::string left = photos.at("left.png"), out = photos.at("out");
+  const HillPair hills;
+  const std::string left = hills.at("left.png"), out = hills.at("out");
   const Outcome made = collinea_with({"interest", left, "-o", out, "--operator", "foerstner", "--max-points", "50"});
   expect_answer(made, "foerstner");
   expect_files(out, {"points.txt", "points.png", "map.tif", "map.png"});
-  ASSERT_TRUE(write_file(photos.folder / "words.png", "no image at all"));
-  expect_refusal(collinea_with({"interest", photos.at("words.png"), "-o", out}), 4, "words.png");
+  ASSERT_TRUE(write_file(hills.folder / "words.png", "no image at all"));
+  expect_refusal(collinea_with({"interest", hills.at("words.png"), "-o", out}), 4, "words.png");
   expect_refusal(collinea_with({"interest", left, "-o", out, "--operator", "sobel"}), 2, "--operator");
 }
 
@@ -271,7 +271,7 @@ TEST(SingleCommands, ModelsJoinsThemOnTheGround) {
   expect_refusal(collinea_with({"models", (folder / "apart.txt").string()}), 6, "models");
 }
 
-TEST(SingleCommands, InteriorOrientsAPhotographByItsMarks) {
+TEST(SingleCommands, InteriorOrientsAScanByItsMarks) {
   const TestFolder folder;
   ASSERT_TRUE(write_file(folder / "camera.txt",
                          "camera RC30\nprincipal_distance_mm 153.358\nprincipal_point_mm -0.006 0.006\n"

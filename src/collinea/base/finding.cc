@@ -146,7 +146,7 @@ constexpr CodeRow kCodes[] = {
     {C::kPairGeometry, "pair_geometry", kWeak, F::kRatio},
     {C::kPairBase, "pair_base", kWeak, F::kRatio, F::kSigma, F::kWanted},
     {C::kPairControlApart, "pair_control_apart", kWeak, F::kCount, F::kOf},
-    {C::kPairLevelDropped, "pair_level_dropped", kWeak, F::kCount, F::kMatches, F::kLimit},
+    {C::kPairLevelsDropped, "pair_levels_dropped", kWeak, F::kCount, F::kOf, F::kLimit},
     {C::kPairCellsMeasured, "pair_cells_measured", kWeak, F::kShare},
     {C::kControlContradicts, "control_contradicts", kWrong, F::kOffset, F::kTest, F::kLimit},
     {C::kResidualsLarge, "residuals_large", kWrong, F::kRatio, F::kChance},

@@ -148,7 +148,7 @@ enum class FindingCode : std::uint8_t {
   kPairGeometry,       ///< near to one that leaves the orientation open; the detail is the word of a PairWeakness
   kPairBase,           ///< too short for the heights that are wanted
   kPairControlApart,   ///< parts of the overlap without control
-  kPairLevelDropped,   ///< a level of the surface had too few points to take the place of the one before
+  kPairLevelsDropped,  ///< levels of the surface had too few points to take the place of the one before
   kPairCellsMeasured,  ///< few of the cells of the surface model
   // Control and models
   kControlContradicts,  ///< a coordinate of control against the others; it takes part all the same

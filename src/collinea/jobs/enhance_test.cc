@@ -95,7 +95,7 @@ TEST(EnhanceJob, LeavesEmptyPixelsOutAndKeepsThemEmpty) {
   for (const Contrast contrast : {Contrast::kStretch, Contrast::kEqualise, Contrast::kWallis}) {
     const EnhanceOptions options{.contrast = contrast, .lut = GreyLut::kNegative};
     std::string tables[2];
-    Raster<std::uint8_t> pictures[2];
+    Raster<std::uint8_t> images[2];
     for (const int k : {0, 1}) {
       const auto report = enhance_image(half_empty(folder / "", k ? 255 : 0), folder / "out", options, {});
       ASSERT_TRUE(report) << report.error().message;
@@ -107,14 +107,14 @@ TEST(EnhanceJob, LeavesEmptyPixelsOutAndKeepsThemEmpty) {
       }
       EXPECT_NE(enhance_text(*report).find("50.0 % of the pixels are empty"), std::string::npos);
       tables[k] = *read_file(folder / "out/statistics.txt");
-      pictures[k] = *read_grey(folder / "out/enhanced.png");
+      images[k] = *read_grey(folder / "out/enhanced.png");
       const auto known = read_known_pixels(folder / "out/enhanced.png");
       ASSERT_TRUE(known && *known);
       EXPECT_EQ((*known)->at(5, 19), 0);
       EXPECT_EQ((*known)->at(5, 20), 255);
     }
     EXPECT_EQ(tables[0], tables[1]);
-    EXPECT_EQ(pictures[0].data, pictures[1].data);
+    EXPECT_EQ(images[0].data, images[1].data);
   }
 }
 

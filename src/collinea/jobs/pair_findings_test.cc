@@ -141,9 +141,10 @@ TEST(PairFindings, DroppedLevelsAndInterpolatedMapsAreNamed) {
       {.threshold = 700, .interest = 90, .matched = 30, .spikes = 5, .least = 40, .is_dropped = true}};
   scene.report.map = PairMap{.cell_m = 1, .width = 10, .height = 10, .measured_cells = 60};
   const auto dropped = scene.findings();
-  ASSERT_EQ(codes_of(dropped), std::vector<FindingCode>{FindingCode::kPairLevelDropped});
-  EXPECT_EQ(dropped.front().figure(FigureName::kCount), 2);
-  EXPECT_EQ(dropped.front().figure(FigureName::kMatches), 25);
+  ASSERT_EQ(codes_of(dropped), std::vector<FindingCode>{FindingCode::kPairLevelsDropped});
+  EXPECT_EQ(dropped.front().figure(FigureName::kCount), 1);
+  EXPECT_EQ(dropped.front().figure(FigureName::kOf), 2);
+  EXPECT_EQ(dropped.front().figure(FigureName::kLimit), 40);
   scene.report.levels.clear();
   scene.report.map->measured_cells = 40;
   EXPECT_EQ(codes_of(scene.findings()), std::vector<FindingCode>{FindingCode::kPairCellsMeasured});

@@ -89,13 +89,12 @@ void add_control(const PairReport& report, const std::optional<PairOverlap>& ove
 }
 
 void add_surface(const PairReport& report, std::vector<Finding>& findings) {
-  for (std::size_t i = 0; i < report.levels.size(); ++i)
-    if (const LevelCount& level = report.levels[i]; level.is_dropped)
-      findings.push_back(finding_of(C::kPairLevelDropped, {},
-                                    {{F::kCount, double(i + 1)},
-                                     {F::kMatches, double(level.matched - level.spikes)},
-                                     {F::kLimit, double(level.least)}},
-                                    {"first_threshold"_option, "last_threshold"_option}));
+  if (const auto dropped = std::ranges::count(report.levels, true, &LevelCount::is_dropped); dropped > 0)
+    findings.push_back(finding_of(C::kPairLevelsDropped, {},
+                                  {{F::kCount, double(dropped)},
+                                   {F::kOf, double(report.levels.size())},
+                                   {F::kLimit, double(report.levels.back().least)}},
+                                  {"last_threshold"_option}));
   if (!report.map) return;
   const double cells = double(report.map->width) * report.map->height;
   if (const double share = double(report.map->measured_cells) / std::max(cells, 1.0); share < kMostlyMeasured)

@@ -50,11 +50,12 @@ std::string words_of_pair(const FindingWords& w) {
       return fmt::format(
           "There is no control in {} of the {} quarters of the overlap: what lies there is extrapolated.",
           w.whole(F::kCount), w.whole(F::kOf));
-    case C::kPairLevelDropped:
+    case C::kPairLevelsDropped:
       return fmt::format(
-          "Level {} of the surface was dropped: it left {}, fewer than the {} without which it does not take the "
-          "place of the level before.",
-          w.whole(F::kCount), w.counted(F::kMatches, "point"), w.whole(F::kLimit));
+          "{} of {} levels of the surface {} dropped: fewer than {} points do not take the place of the level "
+          "before.{}",
+          w.whole(F::kCount), w.whole(F::kOf), w.one() ? "was" : "were", w.whole(F::kLimit),
+          w[F::kCount] == w[F::kOf] ? " The surface is that of the points of the relative orientation." : "");
     case C::kPairCellsMeasured:
       return fmt::format("Of the cells of the surface model {} are measured; the others are interpolated or empty.",
                          w.percent(F::kShare, "{:.0f} %"));
