@@ -140,11 +140,6 @@ std::optional<Sample> sample(const FloatImage& image, const Vector2d& at) {
 struct Blend {
   const MarkTemplate* narrower = nullptr;
   const MarkTemplate* wider = nullptr;
-  WithSigma share = {0.5, 1};  ///< of the wider one, beforehand
-
-  /// The squares of their blurs; that of the mixture lies between them by its share.
-  [[nodiscard]] double least() const { return narrower->blur_px * narrower->blur_px; }
-  [[nodiscard]] double range() const { return wider->blur_px * wider->blur_px - least(); }
 };
 
 // Unknowns of a match: where the mark is, its map template = warp (pixel - centre), gain and offset, and the share of
@@ -220,7 +215,7 @@ struct Prior {
   Normals normals = Normals::Zero();
   Row right = Row::Zero();
 };
-Prior prior_of(const Placement& at, double variance, const MarkPrior& known, const WithSigma& wider) {
+Prior prior_of(const Placement& at, double variance, const MarkPrior& known) {
   const Matrix2d& warp = at.warp;
   Prior out;
   const auto prior = [&](const Eigen::Vector4d& by, double value, double sigma) {
@@ -229,12 +224,12 @@ Prior prior_of(const Placement& at, double variance, const MarkPrior& known, con
     out.right.segment<4>(2) -= weight * value * by;
   };
   const double a = warp(0, 0) - 1, b = warp(0, 1), c = warp(1, 0), d = warp(1, 1) - 1;
-  prior({0.5, 0, 0, 0.5}, (a + d) / 2 + 1 - known.scale.value, known.scale.sigma);
+  prior({0.5, 0, 0, 0.5}, (a + d) / 2, known.sigma_scale);
   prior({0, -0.5, 0.5, 0}, (c - b) / 2 + std::sin(known.rotation_rad), known.sigma_rotation_rad);
   prior({0.5, 0, 0, -0.5}, (a - d) / 2, known.sigma_affinity);
   prior({0, 0.5, 0.5, 0}, (c + b) / 2, known.sigma_affinity);
-  out.normals(8, 8) += variance / (wider.sigma * wider.sigma);
-  out.right[8] -= variance / (wider.sigma * wider.sigma) * (at.wider - wider.value);
+  out.normals(8, 8) += variance;
+  out.right[8] -= variance * (at.wider - 0.5);
   return out;
 }
 
@@ -303,8 +298,8 @@ struct Match {
 };
 
 // The result of a converged match.
-std::optional<Match> finished(const Window& w, const Blend& blend, const Placement& at, const Normals& normals,
-                              const Normals& of_prior, const GreyImage& scan) {
+std::optional<Match> finished(const Window& w, const Placement& at, const Normals& normals, const Normals& of_prior,
+                              const GreyImage& scan) {
   double mean = 0, squares = 0;
   for (std::size_t i = 0; i < w.rows.size(); ++i)
     if (w.is_there[i]) {
@@ -323,11 +318,6 @@ std::optional<Match> finished(const Window& w, const Blend& blend, const Placeme
   match.variance = variance;
   match.found.pixel = at.centre;
   match.found.covariance = covariance.topLeftCorner<2, 2>();
-  match.found.scale = {(at.warp(0, 0) + at.warp(1, 1)) / 2,
-                       std::sqrt(std::max(0.0, covariance(2, 2) + 2 * covariance(2, 5) + covariance(5, 5))) / 2};
-  if (blend.wider && blend.range() > 0)
-    match.found.blur2 = {blend.least() + at.wider * blend.range(),
-                         blend.range() * std::sqrt(std::max(0.0, covariance(8, 8)))};
   const Matrix2d white = variance * inverse.topLeftCorner<2, 2>();
   if (!(match.found.covariance.determinant() > 0 && match.found.covariance(0, 0) > 0)) match.found.covariance = white;
   match.found.correlation = std::copysign(std::sqrt(std::max(0.0, 1 - w.squares / squares)), at.gain);
@@ -340,7 +330,7 @@ std::optional<Match> match_one(const GreyImage& scan, const Blend& blend, const 
   auto window = window_about(scan, drawing, start);
   if (!window) return std::nullopt;
   Placement at{start};
-  at.wider = blend.wider ? blend.share.value : 0;
+  at.wider = blend.wider ? 0.5 : 0;
   at.warp << std::cos(known.rotation_rad), std::sin(known.rotation_rad), -std::sin(known.rotation_rad),
       std::cos(known.rotation_rad);
   if (!fit_grey(*window, scan, blend, at)) return std::nullopt;
@@ -356,14 +346,14 @@ std::optional<Match> match_one(const GreyImage& scan, const Blend& blend, const 
         right += window->rows[i] * window->residuals[i];
       }
     const double variance = std::max(1e-3, window->squares / window->count);
-    const Prior prior = prior_of(at, variance, known, blend.share);
+    const Prior prior = prior_of(at, variance, known);
     normals += prior.normals;
     right += prior.right;
     const Row step = normals.ldlt().solve(right);
     if (!step.allFinite()) return std::nullopt;
     const Vector2d shift = step.head<2>();
     if (shift.norm() < 1e-3 && step.segment<4>(2).norm() < 1e-3)
-      return finished(*window, blend, at, normals, variance * prior.normals, scan);
+      return finished(*window, at, normals, variance * prior.normals, scan);
     // Shorter when they go to and fro: of a round mark rotation is known from grain and prior only.
     const double shorter = std::min(round < 8 ? 1.0 : 0.5, 1.5 / std::max(1e-9, shift.norm()));
     at.centre += shorter * shift;
@@ -391,32 +381,12 @@ MarkModel drawn_mark(MarkKind kind, double size_px, double line_px, double inwar
   const FloatImage sharp = coverage(kind, size_px, line_px, inwards_rad, half_cells);
   MarkModel model;
   for (const double blur : kBlurs_px)
-    model.blurred.push_back(
-        {blurred(sharp, blur / kSpacing), kSpacing, blur, Vector2d(half_cells + 0.5, half_cells + 0.5)});
+    model.blurred.push_back({blurred(sharp, blur / kSpacing), kSpacing, Vector2d(half_cells + 0.5, half_cells + 0.5)});
   return model;
 }
 
-namespace {
-
-// The two drawings between whose blurs a square of one lies, or that are next to it.
-std::optional<Blend> blend_about(const MarkModel& mark, const WithSigma& blur2) {
-  if (mark.blurred.size() < 2) return std::nullopt;
-  std::size_t k = 0;
-  while (k + 2 < mark.blurred.size() && mark.blurred[k + 1].blur_px * mark.blurred[k + 1].blur_px < blur2.value) ++k;
-  Blend blend{&mark.blurred[k], &mark.blurred[k + 1]};
-  blend.share = {(blur2.value - blend.least()) / blend.range(), std::min(1.0, blur2.sigma / blend.range())};
-  return blend;
-}
-
-}  // namespace
-
 std::optional<FoundMark> match_mark(const GreyImage& scan, const MarkModel& mark, const Vector2d& start,
                                     const MarkPrior& prior) {
-  if (prior.blur2)
-    if (const auto blend = blend_about(mark, *prior.blur2)) {
-      const auto match = match_one(scan, *blend, start, prior);
-      return match ? std::optional(match->found) : std::nullopt;
-    }
   std::vector<std::optional<Match>> matches(mark.blurred.size());
   std::optional<std::size_t> best;
   Vector2d from = start;

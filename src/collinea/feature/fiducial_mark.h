@@ -14,7 +14,6 @@ namespace collinea {
 struct MarkTemplate {
   FloatImage values;
   double spacing_px = 1;                  ///< of the lattice
-  double blur_px = 0;                     ///< by which it was drawn; 0: learnt
   Eigen::Vector2d centre{0, 0};           ///< of the mark, in pixels of `values`
   [[nodiscard]] double half_px() const {  ///< half the width that it covers
     return spacing_px * 0.5 * std::min(values.width, values.height);
@@ -42,16 +41,12 @@ struct FoundMark {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< [px^2]
   double correlation = 0;                                    ///< of drawing and pixels; below zero: dark on bright
-  WithSigma scale = {1, 0};             ///< of the drawing against the mark; pixels alone say it, and the prior
-  std::optional<WithSigma> blur2 = {};  ///< square of the blur [px^2]; nothing: it was not estimated
 };
 
-/// What is known of a mark beforehand: how it is turned against its drawing, and how well; its scale, and how well its
-/// two scales and the angle between them are known to be alike; the square of its blur [px^2].
+/// What is known of a mark beforehand: how it is turned against its drawing, and how well; how well its size is known,
+/// and its two scales and the angle between them.
 struct MarkPrior {
-  double rotation_rad = 0, sigma_rotation_rad = 0.03, sigma_affinity = 0.003;
-  WithSigma scale = {1, 0.03};
-  std::optional<WithSigma> blur2 = {};
+  double rotation_rad = 0, sigma_rotation_rad = 0.03, sigma_scale = 0.03, sigma_affinity = 0.003;
 };
 
 /// The mark near a position (to about an eighth of its size), by least squares matching of the drawing onto the pixels:

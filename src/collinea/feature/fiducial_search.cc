@@ -225,7 +225,7 @@ std::optional<MarkModel> learnt_mark(const GreyImage& scan, const Vector2d& poin
   Vector2d centre = symmetric_centre(scan, pointed, half);
   if (!fits(centre)) centre = pointed;
   const int left = int(std::floor(centre.x())) - half, top = int(std::floor(centre.y())) - half;
-  MarkTemplate drawing{FloatImage(2 * half + 1, 2 * half + 1), 1, 0, centre - Vector2d(left, top)};
+  MarkTemplate drawing{FloatImage(2 * half + 1, 2 * half + 1), 1, centre - Vector2d(left, top)};
   float low = 255, high = 0;
   for (int y = 0; y < drawing.values.height; ++y)
     for (int x = 0; x < drawing.values.width; ++x) {
@@ -251,53 +251,7 @@ FilmTransformation predicted_scan(const FilmCalibration& calibration, int width_
 
 namespace {
 
-// What the other marks say of a property that all have in common, but for a spread that their differences show beyond
-// their standard deviations (DerSimonian and Laird 1986). Nothing of fewer than two others.
-std::optional<WithSigma> by_others(const std::vector<std::optional<WithSigma>>& of_mark, std::size_t own) {
-  double weights = 0, weighted = 0, squared_weights = 0;
-  std::size_t count = 0;
-  const auto for_others = [&](auto&& visit) {
-    for (std::size_t i = 0; i < of_mark.size(); ++i)
-      if (i != own && of_mark[i] && of_mark[i]->sigma > 0) visit(*of_mark[i]);
-  };
-  for_others([&](const WithSigma& one) {
-    const double weight = 1 / (one.sigma * one.sigma);
-    weights += weight, weighted += weight * one.value, squared_weights += weight * weight;
-    ++count;
-  });
-  if (count < 2) return std::nullopt;
-  double squares = 0;
-  for_others([&](const WithSigma& one) { squares += std::pow((one.value - weighted / weights) / one.sigma, 2); });
-  const double spread2 = std::max(0.0, (squares - double(count - 1)) / (weights - squared_weights / weights));
-  weights = weighted = 0;
-  for_others([&](const WithSigma& one) {
-    const double weight = 1 / (one.sigma * one.sigma + spread2);
-    weights += weight, weighted += weight * one.value;
-  });
-  return WithSigma{weighted / weights, std::sqrt(1 / weights + spread2)};
-}
-
-// The marks once more, each with the blur and the size against its drawing that the others have.
-void match_alike(const GreyImage& scan, const std::vector<const MarkModel*>& models, const MarkPrior& prior,
-                 std::vector<FoundFiducial>& marks) {
-  std::vector<std::optional<WithSigma>> blurs, scales;
-  for (const FoundFiducial& one : marks) {
-    blurs.push_back(one.mark.blur2);
-    // What hardly differs from what was assumed says nothing.
-    scales.push_back(one.mark.scale.sigma < 0.5 * prior.scale.sigma ? std::optional(one.mark.scale) : std::nullopt);
-  }
-  for (std::size_t i = 0; i < marks.size(); ++i) {
-    MarkPrior alike = prior;
-    alike.blur2 = by_others(blurs, i);
-    const auto scale = by_others(scales, i);
-    if (scale && scale->sigma < prior.scale.sigma) alike.scale = *scale;
-    if (!alike.blur2) continue;
-    if (const auto again = match_mark(scan, *models[i], marks[i].mark.pixel, alike)) marks[i].mark = *again;
-  }
-}
-
-// The chosen candidates, matched with the rotation that all of them together have, then with what else they have in
-// common.
+// The chosen candidates, matched with the rotation that all of them together have.
 std::vector<FoundFiducial> matched_again(const GreyImage& scan, const FilmCalibration& calibration,
                                          const std::vector<const Candidate*>& chosen,
                                          const std::vector<MarkModel>& models, const FilmTransformation& near) {
@@ -308,16 +262,12 @@ std::vector<FoundFiducial> matched_again(const GreyImage& scan, const FilmCalibr
   const auto fit = fit_film(marks, FilmModel::kSimilarity, {.reject_misread = false});
   if (!fit) return {};
   const double rotation = std::remainder(fit->transformation.parameters[2] - near.parameters[2], 2 * std::numbers::pi);
-  const MarkPrior prior{.rotation_rad = rotation, .sigma_rotation_rad = 0.001, .sigma_affinity = 0.001};
   std::vector<FoundFiducial> out;
-  std::vector<const MarkModel*> its_models;
   for (const Candidate* one : chosen) {
     if (!one) continue;
-    const auto again = match_mark(scan, models[one->mark], one->found.pixel, prior);
+    const auto again = match_mark(scan, models[one->mark], one->found.pixel, {rotation, 0.001, 0.03, 0.001});
     out.push_back({calibration.marks[one->mark].name, again ? *again : one->found});
-    its_models.push_back(&models[one->mark]);
   }
-  match_alike(scan, its_models, prior, out);
   return out;
 }
 

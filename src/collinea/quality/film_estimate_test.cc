@@ -81,10 +81,10 @@ double square_of_check(const Scanned& made, const Adjusted& adjusted) {
 // functions of an image (mean 20, standard deviation sqrt(40 / n) over n blocks) and of a point (3, sqrt(6 / n)). Taken
 // as undeformed, the same blocks miss what they promise by far.
 TEST(FilmEstimate, CovariancesTellTheTruthOfDeformedFilm) {
-  constexpr int kBlocks = 60, kFunctions = 10;
+  constexpr int kBlocks = 25, kFunctions = 10;
   double functions = 0, checks = 0, undeformed = 0;
   for (std::uint64_t seed = 1; seed <= kBlocks; ++seed) {
-    Scanned made = scanned(seed, 0.8, 400, kFunctions);
+    Scanned made = scanned(seed, 0.8, 400, kFunctions, 100);
     const auto adjusted = examine(made.block, made.scope, testing::examined(), kRun);
     ASSERT_TRUE(adjusted) << adjusted.error().message;
     const auto& [id, covariance] = *adjusted->camera_covariance.begin();
@@ -106,13 +106,14 @@ TEST(FilmEstimate, CovariancesTellTheTruthOfDeformedFilm) {
   EXPECT_GT(undeformed / kBlocks, 3 + 8 * std::sqrt(6.0 / kBlocks));
 }
 
-// Over blocks the process that is found spreads about the true one: its logarithms have a mean of zero within what that
-// spread leaves of the mean, and the likelihood's bias, which falls with the number of scans (8 here).
+// Of 8 scans with 2 x 10 functions each, that measurements determine well, logarithms of standard deviation and length
+// are known to about sqrt(1 / (2 x 160)) = 0.06 each if nothing else was unknown, to twice that together; the mean of
+// three blocks to 0.07, and iterations end within 0.02 a step: less than four of these.
 TEST(FilmEstimate, FindsTheProcessFromFarOff) {
-  constexpr int kBlocks = 8;
-  double sigma = 0, sigma2 = 0, length = 0, length2 = 0;
+  constexpr int kBlocks = 3;
+  double sigma = 0, length = 0;
   for (std::uint64_t seed = 1; seed <= kBlocks; ++seed) {
-    Scanned made = scanned(seed, 0.8, 400, 15, 400);
+    Scanned made = scanned(seed, 0.8, 400, 10, 200);
     for (auto& [id, camera] : made.block.cameras) {
       camera.prior.film->sigma_px = 0.4;
       camera.prior.film->correlation_px = 250;
@@ -120,14 +121,12 @@ TEST(FilmEstimate, FindsTheProcessFromFarOff) {
     const auto found = estimate_film(made.block, made.scope, testing::examined(), kRun);
     ASSERT_TRUE(found) << found.error().message;
     EXPECT_EQ(found->before.sigma_px, 0.4);
-    const double s = std::log(found->process.sigma_px / 0.8), l = std::log(found->process.correlation_px / 400);
-    sigma += s / kBlocks, sigma2 += s * s / kBlocks;
-    length += l / kBlocks, length2 += l * l / kBlocks;
+    EXPECT_GT(found->iterations, 0);
+    sigma += std::log(found->process.sigma_px / 0.8) / kBlocks;
+    length += std::log(found->process.correlation_px / 400) / kBlocks;
   }
-  EXPECT_LT(std::abs(sigma), 4 * std::sqrt(sigma2 / kBlocks));
-  EXPECT_LT(std::abs(length), 4 * std::sqrt(length2 / kBlocks));
-  EXPECT_LT(std::sqrt(sigma2), 0.25);
-  EXPECT_LT(std::sqrt(length2), 0.25);
+  EXPECT_LT(std::abs(sigma), 4 * 0.07) << sigma;
+  EXPECT_LT(std::abs(length), 4 * 0.07) << length;
 }
 
 TEST(FilmEstimate, WhatIsGivenStays) {
