@@ -4,13 +4,11 @@
 
 usage: bench/karfis.py --collinea PROGRAM --work DIR [--scenes volos kea] [--scan-um UM] [--resolution WORD] [--surfaces levels dense]
                        [--grid-px N] [--threads N] [--keep]
-       bench/karfis.py --collinea PROGRAM --work DIR --seeds N [--scan-um UM]      the relative orientation alone
 
 Renders a pair of film of each scene (`simulate --film`, 60 % forward overlap): volos, a town at 1:6800, and kea, rocks at 1:10000. Runs
 `pair` with twelve points of control, and compares with `evaluate` after three shifts: the surface model's cells, all of them and the
 measured ones, with the exact surface; the points of the cloud with it; and nine squares of 150 m, as his sub-areas were. The tolerances
 are his. A pair that is in DIR already is not rendered again.
-With --seeds only pairs of other seeds are made, and the elements of their relative orientations compared with the truth: chi-squared.
 """
 import argparse
 import csv
