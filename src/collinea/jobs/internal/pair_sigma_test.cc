@@ -83,6 +83,15 @@ PairControl measured_control(const Flight& flight, Random& random) {
   return control;
 }
 
+PairModel model_with(const Flight& flight, const RelativeOrientation& orientation, const EpipolarPair& cameras,
+                     std::vector<LevelPoint> points) {
+  PairModel model{.left_camera = flight.images.left_camera, .right_camera = flight.images.right_camera};
+  model.orientation = orientation;
+  model.epipolar = cameras;
+  model.in_epipolar = std::move(points);
+  return model;
+}
+
 // Errors of nine ground points whose image points are exact: all that is wrong comes from the orientations.
 struct Judged {
   double squares = 0;  // mean of error over sigma, of heights
@@ -98,7 +107,7 @@ std::optional<Judged> judged(const Flight& flight, Random& random, bool has_cont
   found.translation *= base;
   if (has_control) {
     control = measured_control(flight, random);
-    absolute = *oriented_absolutely(*control, flight.images, found);
+    absolute = *oriented_absolutely(*control, model_with(flight, *orientation, {}, {}), found);
   }
   const EpipolarPair cameras = *epipolar_pair(flight.images.left_camera, {}, flight.images.right_camera, found);
   std::vector<LevelPoint> points;
@@ -109,7 +118,7 @@ std::optional<Judged> judged(const Flight& flight, Random& random, bool has_cont
         in_epipolar(flight.images.right_camera, cameras.right_from_image, cameras.right, flight.pixel(1, i));
     points.push_back({left, left.x() - right.x(), 0, 1, 0});
   }
-  const auto sigma = PairOrientationSigma::of(flight.images, *orientation, cameras, control, absolute, points);
+  const auto sigma = PairOrientationSigma::of(model_with(flight, *orientation, cameras, points), control, absolute);
   if (!sigma) return std::nullopt;
   Judged result;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -156,13 +165,15 @@ TEST(PairSigma, IsLargerBeyondTheControl) {
   const auto orientation = measured_orientation(flight, random);
   ASSERT_TRUE(orientation);
   PairControl control = measured_control(flight, random);
-  const auto absolute = oriented_absolutely(control, flight.images, orientation->second_from_first);
+  const auto absolute =
+      oriented_absolutely(control, model_with(flight, *orientation, {}, {}), orientation->second_from_first);
   ASSERT_TRUE(absolute);
   const EpipolarPair cameras =
       *epipolar_pair(flight.images.left_camera, {}, flight.images.right_camera, orientation->second_from_first);
   const double disparity = cameras.disparity_at(kHeight_m / kBase_m);
-  const auto sigma = PairOrientationSigma::of(flight.images, *orientation, cameras, control, *absolute,
-                                              {{{0, 0}, disparity, 0, 1, 0}, {{0, 0}, 1.05 * disparity, 0, 1, 0}});
+  const auto sigma = PairOrientationSigma::of(
+      model_with(flight, *orientation, cameras, {{{0, 0}, disparity, 0, 1, 0}, {{0, 0}, 1.05 * disparity, 0, 1, 0}}),
+      control, *absolute);
   ASSERT_TRUE(sigma);
   const Eigen::Vector2d middle(cameras.left.width_px * 0.6, cameras.left.height_px * 0.5);
   EXPECT_GT(sigma->covariance({middle.x(), 0}, disparity)(2, 2), sigma->covariance(middle, disparity)(2, 2));
