@@ -28,7 +28,7 @@ constexpr int kCheckWidth_px = 2000;
 constexpr FileText kPointsRemark =
     "homologous points; coordinates of the image files; y-parallax left by the relative orientation";
 
-TextTable point_table(const PairModel& model) {
+TextTable point_table(const ModelOfPair& model) {
   const double shrink = model.shrink;
   TextTable table;
   table.remarks = {std::string(kPointsRemark)};
@@ -77,7 +77,7 @@ Result<> write_epipolar(const EpipolarImages& images, const fs::path& folder, co
 
 // Surface model and orthophoto: on the ground, or without control in the frame of the left camera with z towards it,
 // once the base is in metres.
-Result<std::optional<PairMap>> map_of(const PairFiles& pair, const PairModel& model, const PairReport& report,
+Result<std::optional<PairMap>> map_of(const PairFiles& pair, const ModelOfPair& model, const PairReport& report,
                                       const PairCloudSummary& cloud, std::optional<double> cell_m,
                                       const fs::path& folder, const Run& run) {
   if (!report.absolute && !report.has_base) return std::optional<PairMap>();
@@ -123,7 +123,7 @@ Result<PairReport> orient_and_match(const fs::path& left, const fs::path& right,
   COLLINEA_TRY(const PairShrinks shrinks, shrinks_of(pair, options));
   PairReport report = report_of(pair, shrinks.surface, options);
   COLLINEA_TRY(OrientedPair found, orient_pair(pair, shrinks, options, report, run));
-  COLLINEA_TRY(const PairModel model,
+  COLLINEA_TRY(const ModelOfPair model,
                model_of(found, report.orientations.back().orientation, options.base_m.value_or(1)));
   report.epipolar = model.epipolar;
   report.y_parallax_rms_px = rms_row_px(model.in_epipolar);

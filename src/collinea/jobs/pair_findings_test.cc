@@ -41,7 +41,7 @@ struct PairScene {
   }
   [[nodiscard]] std::vector<Finding> findings(const std::vector<Vector2d>& control_px = {},
                                               std::optional<double> wanted_m = {}) const {
-    PairModel model{.left_camera = images.left_camera, .right_camera = images.right_camera};
+    ModelOfPair model{.left_camera = images.left_camera, .right_camera = images.right_camera};
     model.orientation = report.orientations.back().orientation;
     model.points = points;
     return pair_findings(model, report, control_px, wanted_m);

@@ -39,7 +39,7 @@ Similarity3 map_from_model(const std::optional<AbsoluteOrientation>& absolute) {
   return absolute ? absolute->ground_from_model : Similarity3{.rotation = Eigen::Quaterniond(0, 1, 0, 0)};
 }
 
-PairCloud::PairCloud(const PairModel& model, const std::optional<AbsoluteOrientation>& absolute,
+PairCloud::PairCloud(const ModelOfPair& model, const std::optional<AbsoluteOrientation>& absolute,
                      const PairOrientationSigma& by_orientation, Raster<std::uint8_t> image, ResamplingLattice lattice,
                      PlyWriter writer, RecordSpool matching_sigmas)
     : model_(model),
@@ -53,7 +53,7 @@ PairCloud::PairCloud(const PairModel& model, const std::optional<AbsoluteOrienta
   if (absolute) ground_from_model_ = absolute->ground_from_model;
 }
 
-Result<PairCloud> PairCloud::create(const fs::path& folder, const PairFiles& pair, const PairModel& model,
+Result<PairCloud> PairCloud::create(const fs::path& folder, const PairFiles& pair, const ModelOfPair& model,
                                     const std::optional<AbsoluteOrientation>& absolute,
                                     const PairOrientationSigma& by_orientation, const Run& run) {
   COLLINEA_TRY(const int channels, channels_of(pair.files[0]));

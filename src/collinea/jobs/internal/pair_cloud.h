@@ -31,7 +31,7 @@ struct PairCloudSummary {
 class PairCloud {
  public:
   /// Reads the colours. Errors: files.
-  static Result<PairCloud> create(const std::filesystem::path& folder, const PairFiles& pair, const PairModel& model,
+  static Result<PairCloud> create(const std::filesystem::path& folder, const PairFiles& pair, const ModelOfPair& model,
                                   const std::optional<AbsoluteOrientation>& absolute,
                                   const PairOrientationSigma& by_orientation, const Run& run);
 
@@ -47,13 +47,13 @@ class PairCloud {
   [[nodiscard]] Result<PairCloudSummary> finish();
 
  private:
-  PairCloud(const PairModel& model, const std::optional<AbsoluteOrientation>& absolute,
+  PairCloud(const ModelOfPair& model, const std::optional<AbsoluteOrientation>& absolute,
             const PairOrientationSigma& by_orientation, Raster<std::uint8_t> image, ResamplingLattice lattice,
             PlyWriter writer, RecordSpool matching_sigmas);
   [[nodiscard]] std::vector<PositionSigma> position_sigmas() const;
   [[nodiscard]] std::array<std::uint8_t, 3> colour_at(const LevelPoint& point) const;
 
-  const PairModel& model_;
+  const ModelOfPair& model_;
   const PairOrientationSigma& by_orientation_;
   std::optional<Similarity3> ground_from_model_;
   Similarity3 map_from_model_;

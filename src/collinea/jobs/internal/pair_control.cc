@@ -60,7 +60,7 @@ std::vector<Eigen::Vector2d> PairControl::left_px() const {
   return out;
 }
 
-Result<AbsoluteOrientation> oriented_absolutely(const PairControl& control, const PairModel& model,
+Result<AbsoluteOrientation> oriented_absolutely(const PairControl& control, const ModelOfPair& model,
                                                 const Rigid3& right_from_left) {
   std::vector<AbsoluteControl> points = control.points;
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -28,7 +28,7 @@ struct PairControl {
 
 /// The absolute orientation of a model by its control, intersected in it. Errors: rays that do not meet; what
 /// absolute_orientation() refuses.
-[[nodiscard]] Result<AbsoluteOrientation> oriented_absolutely(const PairControl& control, const PairModel& model,
+[[nodiscard]] Result<AbsoluteOrientation> oriented_absolutely(const PairControl& control, const ModelOfPair& model,
                                                               const Rigid3& right_from_left);
 
 }  // namespace collinea

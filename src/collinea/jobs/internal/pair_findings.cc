@@ -45,7 +45,7 @@ void add_points(const PairOrientation& last, const std::optional<PairOverlap>& o
                                   {RemedyCode::kCalibrateCamera}));
 }
 
-void add_geometry(const PairModel& model, std::vector<Finding>& findings) {
+void add_geometry(const ModelOfPair& model, std::vector<Finding>& findings) {
   const auto shape =
       pair_shape(model.orientation.second_from_first,
                  normalised(model.points, model.left_camera, model.right_camera, 1), model.orientation.normal);
@@ -63,7 +63,7 @@ std::optional<double> base_ratio(const PairReport& report, std::optional<double>
 }
 
 // Median distance along the view of the left camera, in bases.
-std::optional<double> median_depth(const PairModel& model) {
+std::optional<double> median_depth(const ModelOfPair& model) {
   std::vector<double> depths;
   for (const MatchedPoint& point : model.points)
     if (const auto met = intersect_midpoint(Rigid3{}, model.orientation.second_from_first,
@@ -104,7 +104,7 @@ void add_surface(const PairReport& report, std::vector<Finding>& findings) {
 
 }  // namespace
 
-std::optional<PairOverlap> PairOverlap::of(const PairModel& model) {
+std::optional<PairOverlap> PairOverlap::of(const ModelOfPair& model) {
   const auto depth = median_depth(model);
   if (!depth || !(*depth > 0)) return std::nullopt;
   PairOverlap overlap;
@@ -156,7 +156,7 @@ PairOverlap::Empty PairOverlap::quarters_without(std::span<const Vector2d> left_
   return without(left_px, 2, 2);
 }
 
-std::vector<Finding> pair_findings(const PairModel& model, const PairReport& report,
+std::vector<Finding> pair_findings(const ModelOfPair& model, const PairReport& report,
                                    std::span<const Vector2d> control_px, std::optional<double> wanted_sigma_z_m) {
   const PairOrientation& last = report.orientations.back();
   const auto overlap = PairOverlap::of(model);

@@ -16,7 +16,7 @@ namespace collinea {
 class PairOverlap {
  public:
   /// Nothing when no point is in front of both cameras.
-  [[nodiscard]] static std::optional<PairOverlap> of(const PairModel& model);
+  [[nodiscard]] static std::optional<PairOverlap> of(const ModelOfPair& model);
 
   /// Parts, of those of which the overlap is at least half, without any of the positions.
   struct Empty {
@@ -38,7 +38,7 @@ class PairOverlap {
 /// matching leaves, a weak geometry, a base too short for the heights that are wanted, parts without control, control
 /// that contradicts, levels that were dropped, few measured cells. `report` is complete but for its findings,
 /// `control_px` are positions of control in the left image.
-[[nodiscard]] std::vector<Finding> pair_findings(const PairModel& model, const PairReport& report,
+[[nodiscard]] std::vector<Finding> pair_findings(const ModelOfPair& model, const PairReport& report,
                                                  std::span<const Eigen::Vector2d> control_px,
                                                  std::optional<double> wanted_sigma_z_m);
 

@@ -48,9 +48,9 @@ Result<OrientedPair> orient_pair(const PairFiles& pair, const PairShrinks& shrin
   return OrientedPair{std::move(images), std::move(points)};
 }
 
-Result<PairModel> model_of(const OrientedPair& pair, const RelativeOrientation& orientation, double base) {
+Result<ModelOfPair> model_of(const OrientedPair& pair, const RelativeOrientation& orientation, double base) {
   const PairImages& images = pair.images;
-  PairModel model{images.left_camera, images.right_camera, images.shrink, orientation, pair.points, {}, {}};
+  ModelOfPair model{images.left_camera, images.right_camera, images.shrink, orientation, pair.points, {}, {}};
   Rigid3 right_from_left = orientation.second_from_first;
   right_from_left.translation *= base;
   COLLINEA_TRY(model.epipolar, epipolar_pair(images.left_camera, Rigid3{}, images.right_camera, right_from_left));

@@ -20,6 +20,7 @@ struct OrientedPair {
                                                const PairChainOptions& options, PairReport& report, const Run& run);
 
 /// With the epipolar pair of these images and a base of that length. Errors: as epipolar_pair().
-[[nodiscard]] Result<PairModel> model_of(const OrientedPair& pair, const RelativeOrientation& orientation, double base);
+[[nodiscard]] Result<ModelOfPair> model_of(const OrientedPair& pair, const RelativeOrientation& orientation,
+                                           double base);
 
 }  // namespace collinea

@@ -31,7 +31,7 @@ Rigid3 with_base(Rigid3 right_from_left, double base) {
   return right_from_left;
 }
 
-Result<Oriented> oriented(const PairModel& model, const Rigid3& second_from_first,
+Result<Oriented> oriented(const ModelOfPair& model, const Rigid3& second_from_first,
                           const std::optional<PairControl>& control) {
   const Rigid3 right_from_left = with_base(second_from_first, model.epipolar.base_m);
   Oriented made;
@@ -59,7 +59,7 @@ struct Changes {
   }
 };
 
-Result<Changes> changes_of(const PairModel& model, const std::optional<PairControl>& control) {
+Result<Changes> changes_of(const ModelOfPair& model, const std::optional<PairControl>& control) {
   const RelativeOrientation& orientation = model.orientation;
   Changes changes;
   changes.step = orientation.stated_covariance().diagonal().cwiseMax(0).cwiseSqrt().cwiseMax(kLeastStep);
@@ -74,7 +74,8 @@ Result<Changes> changes_of(const PairModel& model, const std::optional<PairContr
 
 }  // namespace
 
-Result<PairOrientationSigma> PairOrientationSigma::of(const PairModel& model, const std::optional<PairControl>& control,
+Result<PairOrientationSigma> PairOrientationSigma::of(const ModelOfPair& model,
+                                                      const std::optional<PairControl>& control,
                                                       const std::optional<AbsoluteOrientation>& absolute) {
   COLLINEA_TRY(const Changes changes, changes_of(model, control));
   const EpipolarPair& cameras = model.epipolar;

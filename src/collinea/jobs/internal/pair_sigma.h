@@ -19,7 +19,7 @@ namespace collinea {
 class PairOrientationSigma {
  public:
   /// Errors: an orientation one standard deviation away cannot be made.
-  static Result<PairOrientationSigma> of(const PairModel& model, const std::optional<PairControl>& control,
+  static Result<PairOrientationSigma> of(const ModelOfPair& model, const std::optional<PairControl>& control,
                                          const std::optional<AbsoluteOrientation>& absolute);
 
   /// On the ground [m^2], linear between nodes of a lattice over the left epipolar image and the disparities of

@@ -83,9 +83,9 @@ PairControl measured_control(const Flight& flight, Random& random) {
   return control;
 }
 
-PairModel model_with(const Flight& flight, const RelativeOrientation& orientation, const EpipolarPair& cameras,
-                     std::vector<LevelPoint> points) {
-  PairModel model{.left_camera = flight.images.left_camera, .right_camera = flight.images.right_camera};
+ModelOfPair model_with(const Flight& flight, const RelativeOrientation& orientation, const EpipolarPair& cameras,
+                       std::vector<LevelPoint> points) {
+  ModelOfPair model{.left_camera = flight.images.left_camera, .right_camera = flight.images.right_camera};
   model.orientation = orientation;
   model.epipolar = cameras;
   model.in_epipolar = std::move(points);

@@ -82,7 +82,7 @@ double PairFiles::pixels() const {
                   double(cameras[1].width_px) * cameras[1].height_px);
 }
 
-Rigid3 PairModel::right_from_left() const {
+Rigid3 ModelOfPair::right_from_left() const {
   Rigid3 right_from_left = orientation.second_from_first;
   right_from_left.translation *= epipolar.base_m;
   return right_from_left;

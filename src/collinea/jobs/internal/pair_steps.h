@@ -41,7 +41,7 @@ struct PairImages {
 [[nodiscard]] Result<PairImages> read_pair(const PairFiles& pair, int shrink, const Run& run);
 
 /// A pair in the frame of its left camera.
-struct PairModel {
+struct ModelOfPair {
   Camera left_camera, right_camera;  ///< of the images as they are worked on
   int shrink = 1;                    ///< of these against the files
   RelativeOrientation orientation;

@@ -98,7 +98,7 @@ Result<> match_in_parts(const EpipolarImages& images, const DisparityRange& rang
 
 }  // namespace
 
-EpipolarImages epipolar_images(PairImages images, const PairModel& model, Interpolation resampling, const Run& run) {
+EpipolarImages epipolar_images(PairImages images, const ModelOfPair& model, Interpolation resampling, const Run& run) {
   const EpipolarPair& cameras = model.epipolar;
   EpipolarImages made;
   made.left = resampled(images.left, model.left_camera, cameras.left_from_image, cameras.left, run, {}, resampling);
@@ -108,7 +108,7 @@ EpipolarImages epipolar_images(PairImages images, const PairModel& model, Interp
   return made;
 }
 
-Result<PairCloudSummary> write_surface(EpipolarImages images, const PairFiles& pair, const PairModel& model,
+Result<PairCloudSummary> write_surface(EpipolarImages images, const PairFiles& pair, const ModelOfPair& model,
                                        const PairOrientationSigma& by_orientation, const PairChainOptions& options,
                                        const fs::path& folder, PairReport& report, const Run& run) {
   const auto sigma = row_sigma(model.epipolar, model.orientation, median_disparity(model.in_epipolar));
