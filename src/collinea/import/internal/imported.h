@@ -67,12 +67,14 @@ struct ImportOptions {
                 "known camera for all images, fixed: fx,fy,cx,cy[,k1,k2,k3,p1,p2], of kannala_brandt "
                 "fx,fy,cx,cy[,k1,k2,k3,k4]; centre of the first pixel is 0.5"});
     visit(Part{&O::film});
-    visit(Field{"film_deformation_um", &O::film_deformation_um, "um",
-                "standard deviation of the local deformation of film, of each coordinate on each scan; 0: none", 0, 500}
-              .or_auto("by the residuals of the marks of all scans, then by the adjustment"));
+    visit(Field{
+        "film_deformation_um", &O::film_deformation_um, "um",
+        "standard deviation of the local deformation of film, of each coordinate on each scan; 0: none; nothing: by "
+        "the residuals of the marks of all scans, then by the adjustment",
+        0, 500});
     visit(Field{"film_correlation_mm", &O::film_correlation_mm, "mm",
-                "length of its correlation, exp(-d^2 / 2 l^2) at the distance d", 1, 1000}
-              .or_auto("estimated by the adjustment"));
+                "length of its correlation, exp(-d^2 / 2 l^2) at the distance d; nothing: estimated by the adjustment",
+                1, 1000});
     visit(Field{"gps_sigma_m", &O::gps_sigma_m, "m",
                 "standard deviation of image positions in plan where the file states none", 1e-3});
     visit(Field{"gps_sigma_height_m", &O::gps_sigma_height_m, "m", "the same for heights", 1e-3});
