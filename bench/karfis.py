@@ -3,7 +3,7 @@
 """The two experiments of Karfis (2009) on simulated film whose surface is known exactly: tables in Markdown.
 
 usage: bench/karfis.py --collinea PROGRAM --work DIR [--scenes volos kea] [--scan-um UM] [--resolution WORD] [--surfaces levels dense]
-                       [--grid-px N] [--threads N] [--keep]
+                       [--grid-px N] [--kinds full coarse] [--threads N]
 
 Renders a pair of film of each scene (`simulate --film`, 60 % forward overlap): volos, a town at 1:6800, and kea, rocks at 1:10000. Runs
 `pair` with twelve points of control, and compares with `evaluate` after three shifts: the surface model's cells, all of them and the
