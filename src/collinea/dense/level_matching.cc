@@ -41,7 +41,7 @@ class LevelMatcher {
 
  private:
   [[nodiscard]] std::optional<LevelPoint> best_shape(const Eigen::Vector2i& pixel, const DisparityModel& model,
-                                                     int half, ShapedSearch search) const;
+                                                     int half, const ShapedSearch& search) const;
   [[nodiscard]] std::optional<LevelPoint> match_one(const Eigen::Vector2i& pixel, const DisparityModel& model, int half,
                                                     double& interval) const;
 
@@ -53,12 +53,12 @@ class LevelMatcher {
 // Planes that the surface at a pixel may have: that of the nearest point, none, that of the model's triangle, which may
 // span a wall; and where no point lies within a window, so that nothing tells, slopes in all directions.
 std::optional<LevelPoint> LevelMatcher::best_shape(const Eigen::Vector2i& pixel, const DisparityModel& model, int half,
-                                                   ShapedSearch search) const {
+                                                   const ShapedSearch& search) const {
   const Eigen::Vector2d at = pixel.cast<double>() + Eigen::Vector2d(0.5, 0.5);
   std::optional<LevelPoint> best;
+  const ShapedMatcher matcher(left_, pixel, half, right_, search);
   const auto attempt = [&](const Eigen::Vector2d& gradient) {
-    search.gradient = gradient;
-    const auto found = match_shaped(left_, pixel, half, right_, search);
+    const auto found = matcher.match(gradient);
     if (found && (!best || found->ncc > best->ncc)) best = found;
   };
   const auto is_enough = [&](double ncc) { return best && best->ncc >= ncc; };

@@ -3,107 +3,28 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <vector>
 
 #include "collinea/dense/internal/row_products.h"
+#include "collinea/dense/internal/row_sample.h"
 
 namespace collinea {
 namespace {
 
-struct Template {
-  std::vector<std::int16_t> grey;  // rows of `width`; whole numbers: the same bits everywhere
-  int width = 0;
-  std::int64_t sum = 0, squares = 0, gradients = 0;
-  std::int64_t count = 0;
+// Parts of a grey value that patterns between pixels hold: sums of products stay within 31 bits.
+int units_of(int half) { return half <= 25 ? 8 : 2; }
 
-  [[nodiscard]] double spread() const { return double(count * squares - sum * sum); }
-};
+std::int32_t rounded(float value) { return std::int32_t(value < 0 ? value - 0.5F : value + 0.5F); }
 
-std::optional<Template> template_of(const GreyImage& image, const Eigen::Vector2i& middle, int half) {
-  if (middle.x() < half + 1 || middle.y() < half + 1 || middle.x() + half + 1 >= image.width ||
-      middle.y() + half + 1 >= image.height)
-    return std::nullopt;
-  Template made;
+WindowPattern empty_pattern(int half) {
+  WindowPattern made;
   const int side = 2 * half + 1;
+  made.half = half;
   made.width = (side + dense::kPatternUnit - 1) / dense::kPatternUnit * dense::kPatternUnit;
   made.grey.assign(std::size_t(made.width * side), 0);
-  for (int v = 0; v < side; ++v) {
-    const int y = middle.y() - half + v, left = middle.x() - half;
-    for (int u = 0; u < side; ++u) {
-      const std::int32_t grey = image.at(left + u, y);
-      if (grey == 0) return std::nullopt;
-      const std::int32_t slope = std::int32_t(image.at(left + u + 1, y)) - image.at(left + u - 1, y);
-      made.grey[std::size_t(v * made.width + u)] = std::int16_t(grey);
-      made.sum += grey;
-      made.squares += grey * grey;
-      made.gradients += slope * slope;
-      ++made.count;
-    }
-  }
-  if (!(made.spread() > 0) || made.gradients == 0) return std::nullopt;
   return made;
 }
 
-// Correlations of a template with the windows of a band, which all lie in the image.
-class BandCorrelations {
- public:
-  BandCorrelations(const Template& pattern, const GreyImage& image, int half, const SearchBand& band)
-      : first_column_(band.first_column),
-        first_row_(band.first_row),
-        columns_(band.last_column - band.first_column + 1) {
-    const int rows = band.last_row - band.first_row + 1, side = 2 * half + 1;
-    const int pixels = columns_ + side - 1, stride = pixels + pattern.width;
-    std::vector<std::uint8_t> searched(std::size_t(stride) * std::size_t(rows + side - 1), 0);
-    for (int y = 0; y < rows + side - 1; ++y)
-      std::copy_n(image.row(first_row_ - half + y) + (first_column_ - half), pixels,
-                  searched.begin() + std::ptrdiff_t(y) * stride);
-    values_.resize(std::size_t(columns_ * rows));
-    std::vector<std::int32_t> products(static_cast<std::size_t>(columns_)), sums(std::size_t(pixels), 0), squares(sums);
-    for (int y = 0; y < rows + side - 1; ++y) {
-      const std::uint8_t* entering = searched.data() + std::ptrdiff_t(y) * stride;
-      const std::uint8_t* leaving = y >= side ? entering - std::ptrdiff_t(side) * stride : nullptr;
-      for (std::size_t x = 0; x < sums.size(); ++x) {
-        sums[x] += entering[x] - (leaving ? leaving[x] : 0);
-        squares[x] += entering[x] * entering[x] - (leaving ? leaving[x] * leaving[x] : 0);
-      }
-      if (y < side - 1) continue;
-      dense::row_products(pattern.grey.data(), pattern.width, side,
-                          searched.data() + std::ptrdiff_t(y - side + 1) * stride, stride, columns_, products.data());
-      correlate(pattern, side, products, sums, squares, y - side + 1);
-    }
-  }
-
-  [[nodiscard]] double at(int column, int row) const {
-    return values_[std::size_t((row - first_row_) * columns_ + column - first_column_)];
-  }
-
- private:
-  // A row, of sums down the columns of its windows.
-  void correlate(const Template& pattern, int side, const std::vector<std::int32_t>& products,
-                 const std::vector<std::int32_t>& sums, const std::vector<std::int32_t>& squares, int row) {
-    std::int64_t sum = 0, square = 0;
-    for (int x = 0; x < side - 1; ++x) {
-      sum += sums[std::size_t(x)];
-      square += squares[std::size_t(x)];
-    }
-    for (int x = 0; x < columns_; ++x) {
-      const std::size_t entering = std::size_t(x + side - 1), leaving = std::size_t(x);
-      sum += sums[entering];
-      square += squares[entering];
-      const double spread = double(pattern.count * square - sum * sum);
-      values_[std::size_t(row * columns_ + x)] =
-          spread > 0
-              ? double(pattern.count * products[leaving] - sum * pattern.sum) / std::sqrt(spread * pattern.spread())
-              : 0;
-      sum -= sums[leaving];
-      square -= squares[leaving];
-    }
-  }
-
-  int first_column_, first_row_, columns_;
-  std::vector<double> values_;
-};
+bool says_nothing(const WindowPattern& pattern) { return !(pattern.spread() > 0) || pattern.gradients == 0; }
 
 // Offset of the top of the parabola through three values, within half a pixel.
 double top(double before, double at, double behind) {
@@ -113,35 +34,139 @@ double top(double before, double at, double behind) {
 
 }  // namespace
 
+void WindowPattern::add(int u, int v, std::int16_t value, std::int32_t slope) {
+  grey[std::size_t((v + half) * width + u + half)] = value;
+  sum += value;
+  squares += std::int32_t(value) * value;
+  gradients += std::int64_t(slope) * slope;
+  ++count;
+}
+
+std::optional<WindowPattern> WindowPattern::of(const GreyImage& image, const Eigen::Vector2i& middle, int half) {
+  if (middle.x() < half + 1 || middle.y() < half + 1 || middle.x() + half + 1 >= image.width ||
+      middle.y() + half + 1 >= image.height)
+    return std::nullopt;
+  WindowPattern made = empty_pattern(half);
+  for (int v = -half; v <= half; ++v) {
+    const std::uint8_t* row = image.row(middle.y() + v) + middle.x();
+    for (int u = -half; u <= half; ++u) {
+      if (row[u] == 0) return std::nullopt;
+      made.add(u, v, row[u], std::int32_t(row[u + 1]) - row[u - 1]);
+    }
+  }
+  if (says_nothing(made)) return std::nullopt;
+  return made;
+}
+
+std::optional<WindowPattern> WindowPattern::of(const GreyImage& image, const Eigen::Vector2i& middle, int half,
+                                               const PatternShape& shape) {
+  if (middle.y() < half || middle.y() + half >= image.height) return std::nullopt;
+  WindowPattern made = empty_pattern(half);
+  const float units = float(units_of(half)), slopes = 2 * units * float(shape.stretch);
+  for (int v = -half; v <= half; ++v) {
+    const std::uint8_t* row = image.row(middle.y() + v);
+    for (int u = -half; u <= half; ++u) {
+      const auto found = row_sample(row, image.width, middle.x() + 0.5 + shape.stretch * u + shape.shear * v);
+      if (!found) return std::nullopt;
+      made.add(u, v, std::int16_t(rounded(units * std::clamp(found->value, 0.0F, 255.0F))),
+               rounded(slopes * found->slope));
+    }
+  }
+  if (says_nothing(made)) return std::nullopt;
+  return made;
+}
+
+SearchedBand::SearchedBand(const GreyImage& image, int half, const SearchBand& band)
+    : image_(&image),
+      half_(half),
+      first_column_(std::max(band.first_column, half)),
+      first_row_(std::max(band.first_row, half)),
+      columns_(std::min(band.last_column, image.width - 1 - half) - first_column_ + 1),
+      rows_(std::min(band.last_row, image.height - 1 - half) - first_row_ + 1) {
+  if (is_empty()) return;
+  const int side = 2 * half + 1, used = columns_ + side - 1;
+  stride_ = used + (side + dense::kPatternUnit - 1) / dense::kPatternUnit * dense::kPatternUnit;
+  pixels_.assign(std::size_t(stride_) * std::size_t(rows_ + side - 1), 0);
+  for (int y = 0; y < rows_ + side - 1; ++y)
+    std::copy_n(image.row(first_row_ - half + y) + (first_column_ - half), used,
+                pixels_.begin() + std::ptrdiff_t(y) * stride_);
+  sum_windows(side);
+}
+
+// By sums down the columns of the windows of a row.
+void SearchedBand::sum_windows(int side) {
+  const int used = columns_ + side - 1;
+  const std::int64_t count = std::int64_t(side) * side;
+  sums_.resize(std::size_t(columns_) * std::size_t(rows_));
+  by_spread_.resize(sums_.size());
+  std::vector<std::int32_t> sums(std::size_t(used), 0), squares(sums);
+  for (int y = 0; y < rows_ + side - 1; ++y) {
+    const std::uint8_t* entering = pixels_.data() + std::ptrdiff_t(y) * stride_;
+    const std::uint8_t* leaving = y >= side ? entering - std::ptrdiff_t(side) * stride_ : nullptr;
+    for (int x = 0; x < used; ++x) {
+      const std::int32_t in = entering[x], out = leaving ? leaving[x] : 0;
+      sums[std::size_t(x)] += in - out;
+      squares[std::size_t(x)] += in * in - out * out;
+    }
+    if (y < side - 1) continue;
+    std::int64_t sum = 0, square = 0;
+    for (int x = 0; x < used; ++x) {
+      sum += sums[std::size_t(x)];
+      square += squares[std::size_t(x)];
+      if (x < side - 1) continue;
+      const std::size_t window = std::size_t(y - side + 1) * std::size_t(columns_) + std::size_t(x - side + 1);
+      const std::int64_t spread = count * square - sum * sum;
+      sums_[window] = sum;
+      by_spread_[window] = spread > 0 ? 1 / std::sqrt(double(spread)) : 0;
+      sum -= sums[std::size_t(x - side + 1)];
+      square -= squares[std::size_t(x - side + 1)];
+    }
+  }
+}
+
+std::vector<double> SearchedBand::correlations(const WindowPattern& pattern) const {
+  const int side = 2 * half_ + 1;
+  const double by_pattern = 1 / std::sqrt(pattern.spread());
+  std::vector<double> values(sums_.size());
+  std::vector<std::int32_t> products(static_cast<std::size_t>(columns_));
+  for (int row = 0; row < rows_; ++row) {
+    dense::row_products(pattern.grey.data(), pattern.width, side, pixels_.data() + std::ptrdiff_t(row) * stride_,
+                        stride_, columns_, products.data());
+    for (std::size_t x = 0; x < products.size(); ++x) {
+      const std::size_t window = std::size_t(row) * std::size_t(columns_) + x;
+      values[window] =
+          double(pattern.count * products[x] - sums_[window] * pattern.sum) * by_spread_[window] * by_pattern;
+    }
+  }
+  return values;
+}
+
+std::optional<BestCorrelation> SearchedBand::best(const WindowPattern& pattern) const {
+  if (is_empty()) return std::nullopt;
+  const std::vector<double> values = correlations(pattern);
+  const std::size_t window = std::size_t(std::max_element(values.begin(), values.end()) - values.begin());
+  const int x = int(window) % columns_, y = int(window) / columns_;
+  if (x == 0 || x == columns_ - 1) return std::nullopt;
+  BestCorrelation best;
+  best.ncc = values[window];
+  best.pixel = {first_column_ + x, first_row_ + y};
+  best.position_px = best.pixel.cast<double>() + Eigen::Vector2d(0.5, 0.5);
+  best.position_px.x() += top(values[window - 1], best.ncc, values[window + 1]);
+  const SearchedBand across(*image_, half_, {best.pixel.x(), best.pixel.x(), best.pixel.y() - 1, best.pixel.y() + 1});
+  if (across.rows_ == 3) {
+    const std::vector<double> column = across.correlations(pattern);
+    best.position_px.y() += top(column[0], best.ncc, column[2]);
+  }
+  // Residuals of the grey values by the gradients of the pattern, two pixels apart.
+  const double residual2 = (1 - best.ncc * best.ncc) * pattern.spread() / double(pattern.count * (pattern.count - 4));
+  best.sigma_px = std::sqrt(std::max(residual2, 0.0) / (double(pattern.gradients) / 4));
+  return best;
+}
+
 std::optional<BestCorrelation> best_correlation(const GreyImage& image, const Eigen::Vector2i& middle, int half,
                                                 const GreyImage& other, const SearchBand& band) {
-  const auto pattern = template_of(image, middle, half);
-  const int first_column = std::max(band.first_column, half),
-            last_column = std::min(band.last_column, other.width - 1 - half);
-  const int first_row = std::max(band.first_row, half), last_row = std::min(band.last_row, other.height - 1 - half);
-  if (!pattern || first_column > last_column || first_row > last_row) return std::nullopt;
-  BestCorrelation best;
-  best.ncc = -2;
-  const BandCorrelations correlations(*pattern, other, half, {first_column, last_column, first_row, last_row});
-  for (int row = first_row; row <= last_row; ++row)
-    for (int column = first_column; column <= last_column; ++column)
-      if (const double ncc = correlations.at(column, row); ncc > best.ncc) {
-        best.ncc = ncc;
-        best.pixel = {column, row};
-      }
-  const auto [column, row] = std::pair(best.pixel.x(), best.pixel.y());
-  if (column == first_column || column == last_column) return std::nullopt;
-  best.position_px = best.pixel.cast<double>() + Eigen::Vector2d(0.5, 0.5);
-  best.position_px.x() += top(correlations.at(column - 1, row), best.ncc, correlations.at(column + 1, row));
-  if (row > half && row < other.height - 1 - half) {
-    const BandCorrelations across(*pattern, other, half, {column, column, row - 1, row + 1});
-    best.position_px.y() += top(across.at(column, row - 1), best.ncc, across.at(column, row + 1));
-  }
-  // Residuals of the grey values by the gradients of the template, two pixels apart.
-  const double residual2 =
-      (1 - best.ncc * best.ncc) * pattern->spread() / double(pattern->count * (pattern->count - 4));
-  best.sigma_px = std::sqrt(std::max(residual2, 0.0) / (double(pattern->gradients) / 4));
-  return best;
+  const auto pattern = WindowPattern::of(image, middle, half);
+  return pattern ? SearchedBand(other, half, band).best(*pattern) : std::nullopt;
 }
 
 }  // namespace collinea

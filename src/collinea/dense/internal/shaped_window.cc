@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "collinea/dense/internal/row_correlation.h"
+#include "collinea/dense/internal/row_sample.h"
 
 namespace collinea {
 namespace {
@@ -20,63 +20,11 @@ constexpr int kIterations = 12;
 constexpr int kAlike_px = 3;  // within which errors of grey values are taken as alike
 constexpr double kSettled_px = 0.003, kFarthest_px = 1, kLimit = 1;
 
-// Value and derivative between the pixels of a row, by Catmull and Rom's cubic; nothing where a pixel shows nothing.
-struct Sample {
-  float value = 0, slope = 0;
-};
-std::optional<Sample> sample(const std::uint8_t* row, int width, double column) {
-  const double at = column - 0.5;
-  const int i = int(std::floor(at));
-  if (i < 1 || i + 2 >= width) return std::nullopt;
-  const float a = row[i - 1], b = row[i], c = row[i + 1], d = row[i + 2];
-  if (a == 0 || b == 0 || c == 0 || d == 0) return std::nullopt;
-  const float t = float(at - i);
-  const float k1 = 0.5F * (c - a), k2 = a - 2.5F * b + 2 * c - 0.5F * d, k3 = 0.5F * (d - a) + 1.5F * (b - c);
-  return Sample{b + t * (k1 + t * (k2 + t * k3)), k1 + t * (2 * k2 + t * 3 * k3)};
-}
-
-// The right image along sheared and stretched columns: column i of the patch at `row` of the image shows the column
-// first + scale i - shear (row - middle row).
-struct Patch {
-  GreyImage image;
-  double first, scale, shear;
-  int top, middle;
-
-  Patch(const GreyImage& right, int y, int half, const ShapedSearch& search, double low_column, double high_column)
-      : scale(std::max(kLeastScale, 1 - search.gradient.x())),
-        shear(search.gradient.y()),
-        top(y - search.rows - half - 1),
-        middle(y) {
-    const int margin = half + 2;
-    first = low_column - scale * margin;
-    const int columns = int(std::ceil((high_column - low_column) / scale)) + 1 + 2 * margin;
-    image = GreyImage(columns, 2 * (search.rows + half + 1) + 1, 1);
-    for (int j = 0; j < image.height; ++j) {
-      const int row = top + j;
-      if (row < 0 || row >= right.height) continue;
-      for (int i = 0; i < columns; ++i)
-        if (const auto found = sample(right.row(row), right.width, column_at(i + 0.5, row)))
-          image.at(i, j) = std::uint8_t(std::clamp(found->value + 0.5F, 1.0F, 255.0F));
-    }
-  }
-
-  [[nodiscard]] double column_at(double i, double row) const {
-    return first + scale * (i - 0.5) - shear * (row - middle);
-  }
-};
-
-std::optional<LevelPoint> match_level(const GreyImage& left, const Eigen::Vector2i& pixel, int half,
-                                      const GreyImage& right, const ShapedSearch& search, int reach) {
-  const SearchBand band{int(std::floor(pixel.x() - search.high_px)), int(std::ceil(pixel.x() - search.low_px)),
-                        pixel.y() - search.rows, pixel.y() + search.rows};
-  const auto found = best_correlation(left, pixel, half, right, band);
-  if (!found) return std::nullopt;
-  const auto back =
-      best_correlation(right, found->pixel, half, left,
-                       {pixel.x() - reach, pixel.x() + reach, pixel.y() - search.rows, pixel.y() + search.rows});
-  if (!back || (back->pixel - pixel).cast<double>().norm() > search.return_px) return std::nullopt;
-  return LevelPoint{pixel.cast<double>() + Eigen::Vector2d(0.5, 0.5), pixel.x() - found->position_px.x() + 0.5,
-                    found->position_px.y() - 0.5 - pixel.y(), found->ncc, found->sigma_px};
+// The pattern round a pixel whose middle shows that surface, for windows that are squares of the other image, where
+// columns differ by (1 - gradient.x) u - gradient.y v.
+std::optional<WindowPattern> pattern_of(const GreyImage& image, const Eigen::Vector2i& pixel, int half,
+                                        const PatternShape& shape, bool is_level) {
+  return is_level ? WindowPattern::of(image, pixel, half) : WindowPattern::of(image, pixel, half, shape);
 }
 
 // Normal equations of offset, gain, and the plane of a window, and what they are made of, row by row.
@@ -88,7 +36,7 @@ struct PlaneFit {
   double squares = 0, sum = 0;
   int count = 0;
 
-  void add(double left, const Sample& right, double u, double v) {
+  void add(double left, const RowSample& right, double u, double v) {
     const Vector5d row((Vector5d() << 1, right.value, -right.slope, -right.slope * u, -right.slope * v).finished());
     rows.push_back(row);
     values.push_back(left);
@@ -141,7 +89,7 @@ std::optional<PlaneFit> fit_of(const GreyImage& left, int half, const GreyImage&
   for (int v = -half; v <= half; ++v)
     for (int u = -half; u <= half; ++u) {
       const double column = x + 0.5 + u - at.disparity_px - at.gradient.x() * u - at.gradient.y() * v;
-      const auto found = sample(right.row(row + v), right.width, column);
+      const auto found = row_sample(right.row(row + v), right.width, column);
       const int grey = left.at(x + u, y + v);
       if (!found || grey == 0) return std::nullopt;
       fit.add(grey, *found, u, v);
@@ -151,27 +99,36 @@ std::optional<PlaneFit> fit_of(const GreyImage& left, int half, const GreyImage&
 
 }  // namespace
 
-std::optional<LevelPoint> match_shaped(const GreyImage& left, const Eigen::Vector2i& pixel, int half,
-                                       const GreyImage& right, const ShapedSearch& search) {
-  const int reach = int(std::ceil((search.high_px - search.low_px) / 2)) + 2;
-  if (search.gradient.cwiseAbs().maxCoeff() < kLevel) return match_level(left, pixel, half, right, search, reach);
-  const double x = pixel.x() + 0.5;
-  const Patch patch(right, pixel.y(), half, search, x - search.high_px, x - search.low_px);
-  const int inner = half + 1;
-  const auto found = best_correlation(left, pixel, half, patch.image,
-                                      {inner, patch.image.width - 1 - inner, inner, patch.image.height - 1 - inner});
+ShapedMatcher::ShapedMatcher(const GreyImage& left, const Eigen::Vector2i& pixel, int half, const GreyImage& right,
+                             const ShapedSearch& search)
+    : left_(left),
+      right_(right),
+      pixel_(pixel),
+      half_(half),
+      return_px_(search.return_px),
+      there_(right, half,
+             {int(std::floor(pixel.x() - search.high_px)), int(std::ceil(pixel.x() - search.low_px)),
+              pixel.y() - search.rows, pixel.y() + search.rows}),
+      back_(left, half,
+            {pixel.x() - int(std::ceil((search.high_px - search.low_px) / 2)) - 2,
+             pixel.x() + int(std::ceil((search.high_px - search.low_px) / 2)) + 2, pixel.y() - search.rows,
+             pixel.y() + search.rows}) {}
+
+std::optional<LevelPoint> ShapedMatcher::match(const Eigen::Vector2d& gradient) const {
+  const bool is_level = gradient.cwiseAbs().maxCoeff() < kLevel;
+  const double scale = std::max(kLeastScale, 1 - gradient.x()), shear = gradient.y();
+  const auto pattern = pattern_of(left_, pixel_, half_, {1 / scale, shear / scale}, is_level);
+  const auto found = pattern ? there_.best(*pattern) : std::nullopt;
   if (!found) return std::nullopt;
-  const auto back =
-      best_correlation(patch.image, found->pixel, half, left,
-                       {pixel.x() - reach, pixel.x() + reach, pixel.y() - search.rows, pixel.y() + search.rows});
-  if (!back || (back->pixel - pixel).cast<double>().norm() > search.return_px) return std::nullopt;
-  const double row = patch.top + found->position_px.y() - 0.5;
-  return LevelPoint{{x, pixel.y() + 0.5},
-                    x - patch.column_at(found->position_px.x(), patch.top + found->pixel.y()),
-                    row - pixel.y(),
+  const auto returning = pattern_of(right_, found->pixel, half_, {scale, -shear}, is_level);
+  const auto back = returning ? back_.best(*returning) : std::nullopt;
+  if (!back || (back->pixel - pixel_).cast<double>().norm() > return_px_) return std::nullopt;
+  return LevelPoint{pixel_.cast<double>() + Eigen::Vector2d(0.5, 0.5),
+                    pixel_.x() - found->position_px.x() + 0.5,
+                    found->position_px.y() - 0.5 - pixel_.y(),
                     found->ncc,
-                    found->sigma_px * patch.scale,
-                    search.gradient};
+                    found->sigma_px,
+                    is_level ? Eigen::Vector2d(0, 0) : gradient};
 }
 
 std::optional<LevelPoint> fitted_plane(const GreyImage& left, int half, const GreyImage& right,

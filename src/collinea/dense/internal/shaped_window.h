@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "collinea/dense/internal/row_correlation.h"
 #include "collinea/dense/level_point.h"
 #include "collinea/raster/raster.h"
 
@@ -13,15 +14,28 @@ namespace collinea {
 struct ShapedSearch {
   double low_px = 0, high_px = 0;  ///< disparities of its middle
   int rows = 0;                    ///< on either side
-  Eigen::Vector2d gradient = {0, 0};
-  double return_px = 1.5;  ///< so near must the match, looked for backwards, come to its pixel
+  double return_px = 1.5;          ///< so near must the match, looked for backwards, come to its pixel
 };
 
-/// The best match of the window of 2 half + 1 pixels round a pixel of the left image by the correlation coefficient,
-/// when the surface it shows has that gradient of disparity: the right image is resampled along its rows (cubic) so
-/// that the window stays a square. There and back again; nothing as best_correlation(), or when it does not come back.
-[[nodiscard]] std::optional<LevelPoint> match_shaped(const GreyImage& left, const Eigen::Vector2i& pixel, int half,
-                                                     const GreyImage& right, const ShapedSearch& search);
+/// The search for the match of a window of 2 half + 1 pixels round a pixel of the left image, under any number of
+/// gradients of disparity of the surface that it shows. The images must outlive it.
+class ShapedMatcher {
+ public:
+  ShapedMatcher(const GreyImage& left, const Eigen::Vector2i& pixel, int half, const GreyImage& right,
+                const ShapedSearch& search);
+
+  /// The best match by the correlation coefficient of windows that are squares of the right image: the left one is
+  /// resampled along its rows (cubic) as the gradient says. There and back again; nothing as best_correlation(), or
+  /// when it does not come back.
+  [[nodiscard]] std::optional<LevelPoint> match(const Eigen::Vector2d& gradient) const;
+
+ private:
+  const GreyImage &left_, &right_;
+  Eigen::Vector2i pixel_;
+  int half_;
+  double return_px_;
+  SearchedBand there_, back_;
+};
 
 /// The match by least squares: the plane of the disparities d + gradient . (u, v) of the window and gain and offset of
 /// its grey values,

@@ -81,11 +81,11 @@ TEST(ShapedWindow, FindsWhatASquareOneDoesNot) {
   for (int y = 30; y < 90; y += 12)
     for (int x = 90; x < 210; x += 12, ++count) {
       const Eigen::Vector2i pixel(x, y);
-      ShapedSearch search = search_of(pair.disparity(pixel) - 9.3, pair.disparity(pixel) + 8.1);
-      const auto square = match_shaped(pair.left, pixel, kHalf, pair.right, search);
+      const ShapedMatcher matcher(pair.left, pixel, kHalf, pair.right,
+                                  search_of(pair.disparity(pixel) - 9.3, pair.disparity(pixel) + 8.1));
+      const auto square = matcher.match({0, 0});
       level += square && square->ncc > 0.8;
-      search.gradient = pair.gradient;
-      const auto found = match_shaped(pair.left, pixel, kHalf, pair.right, search);
+      const auto found = matcher.match(pair.gradient);
       if (!found || found->ncc < 0.95) continue;
       ++shaped;
       // The top of a parabola through correlations a pixel apart.
