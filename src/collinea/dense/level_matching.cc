@@ -8,9 +8,10 @@
 
 #include "collinea/base/parallel.h"
 #include "collinea/dense/internal/disparity_model.h"
+#include "collinea/dense/internal/level_growth.h"
+#include "collinea/dense/internal/level_pixels.h"
 #include "collinea/dense/internal/shaped_window.h"
-#include "collinea/feature/interest.h"
-#include "collinea/feature/texture.h"
+#include "collinea/dense/working_images.h"
 #include "collinea/math/median.h"
 
 namespace collinea {
@@ -24,9 +25,8 @@ constexpr double kApart_px = 0.5;        // from the planes of those that do
 constexpr double kBend = 0.1;            // and this part of their distance, by which the surface may bend
 constexpr double kSurely = 0.95;         // correlation at which no other slope of the window is tried
 constexpr double kTriedSlope = 0.25;     // of a window whose slope nothing tells
-constexpr std::size_t kMostPoints = 2'000'000;
-constexpr int kEntropySide_px = 9;
-constexpr std::size_t kBlock = 64;  // points of a piece of work
+constexpr std::size_t kBlock = 64;       // points of a piece of work
+constexpr int kGuideGrid_px = 4;         // of a reduced pair
 
 // Everything a level needs to match points.
 class LevelMatcher {
@@ -34,6 +34,12 @@ class LevelMatcher {
   LevelMatcher(const GreyImage& left, const GreyImage& right,
                const std::function<double(const Eigen::Vector2d&)>& row_sigma_px, const LevelOptions& options)
       : left_(left), right_(right), row_sigma_px_(row_sigma_px), options_(options) {}
+
+  // Lets matches of a grid spread; matches of pixels by the planes of the nearest points of a model.
+  [[nodiscard]] std::vector<LevelPoint> grow(const std::vector<Eigen::Vector2i>& pixels, std::vector<LevelPoint> points,
+                                             const Run& run) const;
+  [[nodiscard]] std::vector<LevelPoint> match_near(const std::vector<Eigen::Vector2i>& pixels,
+                                                   const std::vector<LevelPoint>& model, const Run& run) const;
 
   // Matches of pixels near the model, in their order; intervals receives how far each was searched.
   Result<std::vector<LevelPoint>> match(const std::vector<Eigen::Vector2i>& pixels, const DisparityModel& model,
@@ -44,6 +50,11 @@ class LevelMatcher {
                                                      int half, const ShapedSearch& search) const;
   [[nodiscard]] std::optional<LevelPoint> match_one(const Eigen::Vector2i& pixel, const DisparityModel& model, int half,
                                                     double& interval) const;
+
+  [[nodiscard]] GrowthOptions growth_options() const;
+  [[nodiscard]] int rows_at(const Eigen::Vector2i& pixel) const {
+    return std::max(1, int(std::ceil(kRowSigmas * row_sigma_px_(pixel.cast<double>() + Eigen::Vector2d(0.5, 0.5)))));
+  }
 
   const GreyImage &left_, &right_;
   const std::function<double(const Eigen::Vector2d&)>& row_sigma_px_;
@@ -79,11 +90,10 @@ std::optional<LevelPoint> LevelMatcher::match_one(const Eigen::Vector2i& pixel, 
   const Eigen::Vector2d at = pixel.cast<double>() + Eigen::Vector2d(0.5, 0.5);
   const DisparityInterval searched = model.around(at, options_.square_px);
   interval = searched.high_px - searched.low_px + 2 * kMargin_px;
-  const int rows = std::max(1, int(std::ceil(kRowSigmas * row_sigma_px_(at))));
   const auto found = best_shape(pixel, model, half,
                                 {.low_px = searched.low_px - kMargin_px,
                                  .high_px = searched.high_px + kMargin_px,
-                                 .rows = rows,
+                                 .rows = rows_at(pixel),
                                  .return_px = options_.return_px});
   if (!found || found->ncc < options_.min_ncc) return std::nullopt;
   const auto fitted = fitted_plane(left_, half, right_, *found);
@@ -106,45 +116,24 @@ Result<std::vector<LevelPoint>> LevelMatcher::match(const std::vector<Eigen::Vec
   return points;
 }
 
-// Corners that any level may match, strongest first.
-std::vector<MapPixel> corners_of(const GreyImage& image, double least_threshold, const Run& run) {
-  InterestOptions options;
-  options.method = InterestOperator::kKovesi;
-  options.threshold = least_threshold;
-  options.radius_px = 2;
-  std::vector<MapPixel> corners = interest_pixels(image, options, run);
-  if (corners.size() > kMostPoints) {
-    corners.resize(kMostPoints);
-    corners.shrink_to_fit();
-  }
-  return corners;
+GrowthOptions LevelMatcher::growth_options() const {
+  GrowthOptions growth;
+  growth.step_px = options_.grid_px;
+  growth.half = (options_.grid_px > 0 ? options_.grid_template_px : options_.template_px) / 2;
+  growth.min_ncc = options_.min_ncc;
+  growth.return_px = options_.return_px;
+  growth.rows = [this](const Eigen::Vector2i& pixel) { return rows_at(pixel); };
+  return growth;
 }
 
-// Those above a threshold, row by row.
-std::vector<Eigen::Vector2i> above(const std::vector<MapPixel>& corners, double threshold) {
-  std::vector<Eigen::Vector2i> pixels;
-  for (const MapPixel& corner : corners) {
-    if (!(corner.value > float(threshold))) break;
-    pixels.emplace_back(corner.column, corner.row);
-  }
-  std::sort(pixels.begin(), pixels.end(),
-            [](const auto& a, const auto& b) { return std::pair(a.y(), a.x()) < std::pair(b.y(), b.x()); });
-  return pixels;
+std::vector<LevelPoint> LevelMatcher::grow(const std::vector<Eigen::Vector2i>& pixels, std::vector<LevelPoint> points,
+                                           const Run& run) const {
+  return grown(left_, right_, pixels, std::move(points), growth_options(), run);
 }
 
-std::vector<Eigen::Vector2i> grid_pixels(const GreyImage& image, int step, double min_entropy, const Run& run) {
-  std::vector<std::vector<Eigen::Vector2i>> found(std::size_t(image.height / step + 1));
-  parallel_for(run, found.size(), [&](std::size_t i) {
-    const int row = step / 2 + int(i) * step;
-    if (row >= image.height) return;
-    const std::vector<float> entropy = entropy_of_row(image, kEntropySide_px, row);
-    for (int column = step / 2; column < image.width; column += step)
-      if (image.at(column, row) != 0 && double(entropy[std::size_t(column)]) > min_entropy)
-        found[i].emplace_back(column, row);
-  });
-  std::vector<Eigen::Vector2i> pixels;
-  for (const auto& row : found) pixels.insert(pixels.end(), row.begin(), row.end());
-  return pixels;
+std::vector<LevelPoint> LevelMatcher::match_near(const std::vector<Eigen::Vector2i>& pixels,
+                                                 const std::vector<LevelPoint>& model, const Run& run) const {
+  return matched_near(left_, right_, pixels, model, growth_options(), run);
 }
 
 // Thresholds of the levels, falling by the same factor each time.
@@ -205,31 +194,50 @@ std::vector<LevelPoint> without_spikes(std::vector<LevelPoint> points, const Run
   return points;
 }
 
-Result<LevelSurface> match_by_levels(const GreyImage& left, const GreyImage& right, std::span<const LevelPoint> guide,
-                                     const std::function<double(const Eigen::Vector2d&)>& row_sigma_px,
-                                     const LevelOptions& options, const Run& run) {
-  COLLINEA_TRY(validate(options));
-  if (left.height != right.height) return fail(Errc::kBadInput, "an epipolar pair has as many rows left as right");
-  if (options.last_threshold > options.first_threshold)
-    return fail(Errc::kBadInput, "thresholds fall from level to level: the last is above the first",
-                {"first_threshold"_option, "last_threshold"_option});
+namespace {
+
+using RowSigma = std::function<double(const Eigen::Vector2d& left_px)>;
+
+// Points of a grid, or of corners, and what they count.
+struct Matched {
+  std::vector<LevelPoint> points;
+  LevelCount count;
+};
+
+// Spikes go, and what is left of a grid spreads.
+Matched settled(const LevelMatcher& matcher, const std::vector<Eigen::Vector2i>& pixels, std::vector<LevelPoint> points,
+                LevelCount count, const Run& run) {
+  const std::size_t matched = points.size();
+  points = without_spikes(std::move(points), run);
+  count.matched = matched;
+  count.spikes = matched - points.size();
+  if (count.threshold == 0) {
+    const std::size_t spread = points.size();
+    points = matcher.grow(pixels, std::move(points), run);
+    count.grown = points.size() - spread;
+    points = without_spikes(std::move(points), run);
+    count.spikes += spread + count.grown - points.size();
+  }
+  return {std::move(points), count};
+}
+
+Result<LevelSurface> match_whole(const GreyImage& left, const GreyImage& right, std::span<const LevelPoint> guide,
+                                 const RowSigma& row_sigma_px, const LevelOptions& options, const Run& run) {
   LevelSurface surface{{guide.begin(), guide.end()}, {}};
   const LevelMatcher matcher(left, right, row_sigma_px, options);
   const std::vector<MapPixel> corners = corners_of(left, options.last_threshold, run);
   const auto level = [&](const std::vector<Eigen::Vector2i>& pixels, double threshold, int template_px) -> Result<> {
     COLLINEA_TRY(const DisparityModel model, DisparityModel::of(surface.points));
-    LevelCount count{.threshold = threshold, .interest = pixels.size()};
     std::vector<double> intervals;
     COLLINEA_TRY(std::vector<LevelPoint> points, matcher.match(pixels, model, template_px / 2, intervals, run));
-    count.matched = points.size();
-    points = without_spikes(std::move(points), run);
+    Matched matched =
+        settled(matcher, pixels, std::move(points), {.threshold = threshold, .interest = pixels.size()}, run);
     if (run.stopped()) return fail(Errc::kCancelled, "stopped");
-    count.spikes = count.matched - points.size();
-    if (!intervals.empty()) count.median_interval_px = median(intervals);
-    count.least = guide.size() / 2;
-    count.is_dropped = points.size() < count.least;
-    surface.levels.push_back(count);
-    if (!count.is_dropped) surface.points = std::move(points);
+    if (!intervals.empty()) matched.count.median_interval_px = median(intervals);
+    matched.count.least = guide.size() / 2;
+    matched.count.is_dropped = matched.points.size() < matched.count.least;
+    surface.levels.push_back(matched.count);
+    if (!matched.count.is_dropped) surface.points = std::move(matched.points);
     return {};
   };
   const std::vector<double> thresholds = thresholds_of(options);
@@ -237,10 +245,65 @@ Result<LevelSurface> match_by_levels(const GreyImage& left, const GreyImage& rig
     COLLINEA_TRY(level(above(corners, thresholds[i]), thresholds[i], options.template_px));
     run.report("levels", double(i + 1) / double(thresholds.size() + (options.grid_px > 0)));
   }
-  if (options.grid_px > 0) {
+  if (options.grid_px > 0)
     COLLINEA_TRY(level(grid_pixels(left, options.grid_px, options.min_entropy, run), 0, options.grid_template_px));
-  }
   return surface;
+}
+
+std::vector<LevelPoint> scaled(std::span<const LevelPoint> points, double scale) {
+  std::vector<LevelPoint> made(points.begin(), points.end());
+  for (LevelPoint& point : made) {
+    point.left_px *= scale;
+    point.disparity_px *= scale;
+    point.row_px *= scale;
+    point.sigma_px *= scale;
+  }
+  return made;
+}
+
+GreyImage reduced(const GreyImage& image, int shrink) {
+  GreyImage small = halved(image);
+  for (int done = 2; done < shrink; done *= 2) small = halved(small);
+  return small;
+}
+
+double megapixels(const GreyImage& image) { return 1e-6 * double(image.width) * double(image.height); }
+
+Result<LevelSurface> match_any(const GreyImage& left, const GreyImage& right, std::span<const LevelPoint> guide,
+                               const RowSigma& row_sigma_px, const LevelOptions& options, const Run& run) {
+  if (megapixels(left) <= options.whole_mpx) return match_whole(left, right, guide, row_sigma_px, options, run);
+  const int shrink = megapixels(left) <= 4 * options.whole_mpx ? 2 : 4;
+  LevelOptions coarse = options;
+  coarse.grid_px = kGuideGrid_px;
+  COLLINEA_TRY(LevelSurface surface,
+               match_any(
+                   reduced(left, shrink), reduced(right, shrink), scaled(guide, 1.0 / shrink),
+                   [&](const Eigen::Vector2d& at) { return row_sigma_px(shrink * at) / shrink; }, coarse, run));
+  for (LevelCount& count : surface.levels) count.shrink *= shrink;
+  const double threshold = options.grid_px > 0 ? 0 : options.last_threshold;
+  const std::vector<Eigen::Vector2i> pixels = options.grid_px > 0
+                                                  ? grid_pixels(left, options.grid_px, options.min_entropy, run)
+                                                  : above(corners_of(left, threshold, run), threshold);
+  const LevelMatcher matcher(left, right, row_sigma_px, options);
+  Matched matched = settled(matcher, pixels, matcher.match_near(pixels, scaled(surface.points, shrink), run),
+                            {.threshold = threshold, .interest = pixels.size(), .least = guide.size() / 2}, run);
+  if (run.stopped()) return fail(Errc::kCancelled, "stopped");
+  matched.count.is_dropped = matched.points.size() < matched.count.least;
+  surface.levels.push_back(matched.count);
+  surface.points = matched.count.is_dropped ? scaled(surface.points, shrink) : std::move(matched.points);
+  return surface;
+}
+
+}  // namespace
+
+Result<LevelSurface> match_by_levels(const GreyImage& left, const GreyImage& right, std::span<const LevelPoint> guide,
+                                     const RowSigma& row_sigma_px, const LevelOptions& options, const Run& run) {
+  COLLINEA_TRY(validate(options));
+  if (left.height != right.height) return fail(Errc::kBadInput, "an epipolar pair has as many rows left as right");
+  if (options.last_threshold > options.first_threshold)
+    return fail(Errc::kBadInput, "thresholds fall from level to level: the last is above the first",
+                {"first_threshold"_option, "last_threshold"_option});
+  return match_any(left, right, guide, row_sigma_px, options, run);
 }
 
 }  // namespace collinea

@@ -24,6 +24,7 @@ struct LevelOptions {
   int grid_px = 0;
   int grid_template_px = 13;
   double min_entropy = 4;
+  double whole_mpx = 16;
 
   friend bool operator==(const LevelOptions&, const LevelOptions&) = default;
 
@@ -46,14 +47,16 @@ struct LevelOptions {
     visit(Field{"grid_template_px", &O::grid_template_px, "px", "side of the window of those, odd", 5, 101});
     visit(
         Field{"min_entropy", &O::min_entropy, "bit", "least entropy of the 9 x 9 pixels round one of those", 0, 6.34});
+    visit(Field{"whole_mpx", &O::whole_mpx, "Mpx", "larger images are matched at reduced size first", 0.01, 1e5});
   }
 };
 
 /// What a level did.
 struct LevelCount {
   double threshold = 0;  ///< 0: the grid
-  std::size_t interest = 0, matched = 0, spikes = 0;
-  double median_interval_px = 0;  ///< searched along the row
+  int shrink = 1;        ///< the images were worked on at 1 / shrink of their size
+  std::size_t interest = 0, matched = 0, grown = 0, spikes = 0;
+  double median_interval_px = 0;  ///< searched along the row; 0: near planes of a reduced pair
   std::size_t least = 0;          ///< points without which it does not take the place of the model it was found with
   bool is_dropped = false;        ///< it had fewer
 };
@@ -81,6 +84,9 @@ struct LevelSurface {
 ///     (Karfis' filter takes mean and standard deviation in a circle, which never rejects anything among fewer than
 ///     eleven points, nor a third of wrong ones; a median would reject roofs with few points and hide spikes on
 ///     slopes.)
+/// Matches of the grid then spread (grown()), and spikes go once more.
+/// Images larger than `whole_mpx` are matched so at reduced size, with a grid of 4 px; points of the grid, or of the
+/// last threshold, are then looked for near the planes of the six nearest of these, again there and back, and measured.
 /// Of more than two million points those of the largest corner measure are taken. Memory: the images and some 300 bytes
 /// a point. Same bits for any number of threads. Errors: images of different heights, fewer than three points of the
 /// guide that do not lie on a line, options, stopped.

@@ -76,6 +76,28 @@ TEST(LevelMatching, FindsTheSurfaceOfAPair) {
   EXPECT_LT(std::sqrt(squares / double(surface->points.size())), 0.15);
 }
 
+// At a quarter of the size first: the same surface as from whole images, point by point where both have one.
+TEST(LevelMatching, ByWayOfReducedImages) {
+  const Pair pair(2);
+  LevelOptions options;
+  options.levels = 4;
+  options.last_threshold = 100;
+  options.grid_px = 6;
+  const auto whole = match_by_levels(pair.left, pair.right, pair.guide, kExact, options, {});
+  options.whole_mpx = 0.04;
+  const auto reduced = match_by_levels(pair.left, pair.right, pair.guide, kExact, options, {});
+  ASSERT_TRUE(whole && reduced);
+  EXPECT_EQ(reduced->levels.front().shrink, 2);
+  EXPECT_EQ(reduced->levels.back().shrink, 1);
+  EXPECT_GT(double(reduced->points.size()), 0.97 * double(whole->points.size()));
+  double squares = 0;
+  for (const LevelPoint& point : reduced->points) {
+    const double error = point.disparity_px - disparity(point.left_px.x(), point.left_px.y());
+    squares += error * error;
+  }
+  EXPECT_LT(std::sqrt(squares / double(reduced->points.size())), 0.15);
+}
+
 TEST(LevelMatching, SameBitsForAnyNumberOfThreads) {
   const Pair pair(4);
   LevelOptions options;

@@ -30,9 +30,11 @@ std::string stereo_json(const StereoReport& report) {
                          {"median_sigma_px", nullptr}};
   if (report.median_sigma_px) json["median_sigma_px"] = *report.median_sigma_px;
   for (const LevelCount& level : report.levels)
-    json["levels"].push_back({{"threshold", level.threshold},
+    json["levels"].push_back({{"shrink", level.shrink},
+                              {"threshold", level.threshold},
                               {"interest", level.interest},
                               {"matched", level.matched},
+                              {"grown", level.grown},
                               {"spikes", level.spikes},
                               {"median_interval_px", level.median_interval_px}});
   if (report.cameras) {

@@ -176,7 +176,7 @@ Result<GreyImage> render_scan(const FilmTruth& film, ImageId image, const Run& r
       const int row = first + int(i);
       blur_row(light, row - top, weights, vertical, blurred);
       grain_of_row(film.truth.seed + kGrainStream, (std::uint64_t{image.value} + 1) * 1000000, row, scan.width, grain);
-      write_grey_row(blurred, grain, film.wear.grain_grey, out.row(row));
+      write_grey_row(blurred, grain, grain_of_pixel(film.wear, film.pixel_mm), out.row(row));
     });
     if (run.stopped()) return fail(Errc::kCancelled, "rendering was stopped");
   }

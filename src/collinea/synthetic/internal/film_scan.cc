@@ -157,6 +157,11 @@ Vector3d FilmRays::direction(int column, int row, double dx, double dy) const {
   return {at[2], at[3], 1};
 }
 
+double grain_of_pixel(const ScanWear& wear, double pixel_mm) {
+  constexpr double kStated_mm = 0.015;
+  return wear.grain_grey * kStated_mm / pixel_mm;
+}
+
 void grain_of_row(std::uint64_t seed, std::uint64_t item, int row, int width, std::vector<float>& out) {
   // White noise under weights 1 2 1 along rows and columns; of a scan every row has the same noise for all its readers.
   constexpr float kSpread = 0.375F;  // standard deviation that the weights leave

@@ -32,7 +32,8 @@ struct ScanWear {
                 "standard deviation of local deformation, smooth over some centimetres, of each coordinate", 0, 200});
     visit(
         Field{"scan_turn_deg", &O::scan_turn_deg, "deg", "standard deviation of the film's turn on the scanner", 0, 2});
-    visit(Field{"grain_grey", &O::grain_grey, "grey", "standard deviation of the grain in middle grey", 0, 50});
+    visit(Field{"grain_grey", &O::grain_grey, "grey",
+                "standard deviation of the grain in middle grey, of pixels of 15 um; it falls as they grow", 0, 50});
     visit(Field{"scratches", &O::scratches, "1", "scratches of a scan", 0, 1000});
     visit(Field{"dust", &O::dust, "1", "grains of dust on a scan", 0, 10000});
   }
@@ -85,6 +86,10 @@ class FilmRays final : public PixelRays {
   int columns_;
   std::vector<Eigen::Vector4d> lattice_;  // film x, y [mm], direction X/Z, Y/Z
 };
+
+/// Standard deviation of the grain in pixels of that size: granularity times the root of the area is constant (Selwyn
+/// 1935).
+[[nodiscard]] double grain_of_pixel(const ScanWear& wear, double pixel_mm);
 
 /// Grain, correlated over neighbours: of one row, standard deviation 1.
 void grain_of_row(std::uint64_t seed, std::uint64_t item, int row, int width, std::vector<float>& out);
