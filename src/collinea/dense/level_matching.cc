@@ -26,7 +26,10 @@ constexpr double kBend = 0.1;            // and this part of their distance, by 
 constexpr double kSurely = 0.95;         // correlation at which no other slope of the window is tried
 constexpr double kTriedSlope = 0.25;     // of a window whose slope nothing tells
 constexpr std::size_t kBlock = 64;       // points of a piece of work
-constexpr int kGuideGrid_px = 4;         // of a reduced pair
+// The grid of a reduced pair only says which planes may be there: small windows find small roofs, and what correlates
+// little for its grain, or is wrong, has to stand in the larger images.
+constexpr int kGuideGrid_px = 4, kGuideTemplate_px = 9;
+constexpr double kGuideNcc = 0.6;
 
 // Everything a level needs to match points.
 class LevelMatcher {
@@ -275,6 +278,8 @@ Result<LevelSurface> match_any(const GreyImage& left, const GreyImage& right, st
   const int shrink = megapixels(left) <= 4 * options.whole_mpx ? 2 : 4;
   LevelOptions coarse = options;
   coarse.grid_px = kGuideGrid_px;
+  coarse.grid_template_px = std::min(kGuideTemplate_px, options.grid_template_px);
+  coarse.min_ncc = std::min(kGuideNcc, options.min_ncc);
   COLLINEA_TRY(LevelSurface surface,
                match_any(
                    reduced(left, shrink), reduced(right, shrink), scaled(guide, 1.0 / shrink),

@@ -34,10 +34,24 @@ TEST(RowCorrelation, IsTheLargestOfTheBand) {
         const auto best = best_correlation(left, middle, half, right, band);
         const CorrelationSurface surface = correlation_surface(left, middle, half, right, middle, 12, Similarity::kNcc);
         const auto at = [&](int x, int y) { return double(surface.values.at(x - surface.left, y - surface.top)); };
+        // The largest of each row; among these the one whose parabola reaches highest.
         Eigen::Vector2i expected = {band.first_column, band.first_row};
-        for (int y = band.first_row; y <= band.last_row; ++y)
+        double highest = -2;
+        for (int y = band.first_row; y <= band.last_row; ++y) {
+          int best_x = band.first_column;
           for (int x = band.first_column; x <= band.last_column; ++x)
-            if (at(x, y) > at(expected.x(), expected.y())) expected = {x, y};
+            if (at(x, y) > at(best_x, y)) best_x = x;
+          double height = at(best_x, y);
+          if (best_x > band.first_column && best_x < band.last_column) {
+            const double slope = (at(best_x + 1, y) - at(best_x - 1, y)) / 2,
+                         bend = at(best_x + 1, y) - 2 * at(best_x, y) + at(best_x - 1, y);
+            height -= slope * slope / (2 * bend);
+          }
+          if (height > highest) {
+            highest = height;
+            expected = {best_x, y};
+          }
+        }
         if (expected.x() == band.first_column || expected.x() == band.last_column) {
           EXPECT_FALSE(best);
           continue;

@@ -18,9 +18,9 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kScanQuality = 95;  // of JPEG
-constexpr int kWindowRows = 256;  // of light in work at once
-constexpr int kFiner = 3;         // positions along a side of a pixel at which the frame is drawn
+constexpr int kScanQuality = 95;              // of JPEG
+constexpr int kWindowRows = 256;              // of light in work at once
+constexpr int kFiner = 3, kFinerAtMarks = 8;  // positions along a side of a pixel at which the frame is drawn
 // Titles of the columns of the true transformations and marks.
 constexpr FileText kScanColumns = "# image, column, row, rotation, scale_x, scale_y, shear\n";
 constexpr FileText kFiducialColumns = "# image, mark, x, y\n";
@@ -92,6 +92,20 @@ std::string fiducials_text(const FilmTruth& film) {
   return text;
 }
 
+// The light of frame and marks that a pixel gathers. Samples lie on a lattice that is sheared, so that an edge along
+// rows or columns meets the square of the number of them along a side: on an upright one the lines of a mark would jump
+// by parts of a pixel.
+float framed(const FilmCalibration& calibration, const FilmRays& rays, double column, double line, std::uint32_t seed) {
+  const int n = is_at_mark(calibration, rays.film_mm(column, line)) ? kFinerAtMarks : kFiner;
+  const double middle = 0.5 * (n - 1);
+  float sum = 0;
+  for (int k = 0; k < n * n; ++k) {
+    const double i = k % n - middle, j = k / n - middle;
+    sum += frame_light(calibration, rays.film_mm(column + (i + j / n) / n, line + (j - i / n) / n), seed);
+  }
+  return sum / float(n * n);
+}
+
 // The light of a window of a scan: of the scene less what the lens loses, and of the frame where the scene is not.
 void finish_light(Raster<Colour>& light, int first_row, const FilmTruth& film, ImageId image, const FilmRays& rays,
                   const Run& run) {
@@ -108,13 +122,7 @@ void finish_light(Raster<Colour>& light, int first_row, const FilmTruth& film, I
         row[x] = gain * float(1 - film.truth.optics.vignetting * radius2 / corner) * row[x];
         continue;
       }
-      float sum = 0;
-      for (int k = 0; k < kFiner * kFiner; ++k)
-        sum += frame_light(
-            calibration,
-            rays.film_mm(column + (k % kFiner + 0.5) / kFiner - 0.5, line + (k / kFiner + 0.5) / kFiner - 0.5),
-            image.value + 1);
-      const float mean = sum / (kFiner * kFiner);
+      const float mean = framed(calibration, rays, column, line, image.value + 1);
       row[x] = {mean, mean, mean};
     }
   });

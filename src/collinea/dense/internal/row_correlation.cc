@@ -32,6 +32,26 @@ double top(double before, double at, double behind) {
   return curvature < 0 ? std::clamp((before - behind) / (2 * curvature), -0.5, 0.5) : 0;
 }
 
+// The best of the rows is that whose parabola along its columns reaches highest: of sheared windows that on the right
+// row half a column off correlates less than that on the next row, where the shear makes up for it. Nothing when that
+// lies at an end of the columns.
+std::optional<std::size_t> highest(const std::vector<double>& values, int columns) {
+  std::optional<std::size_t> best;
+  double best_height = 0;
+  for (auto row = values.begin(); row != values.end(); row += columns) {
+    const auto at = std::max_element(row, row + columns);
+    const bool is_inside = at != row && at + 1 != row + columns;
+    const double offset = is_inside ? top(at[-1], at[0], at[1]) : 0;
+    const double height = is_inside ? at[0] + 0.25 * offset * (at[1] - at[-1]) : at[0];
+    if (best && height <= best_height) continue;
+    best = std::size_t(at - values.begin());
+    best_height = height;
+  }
+  const int column = int(*best) % columns;
+  if (column == 0 || column == columns - 1) return std::nullopt;
+  return best;
+}
+
 }  // namespace
 
 void WindowPattern::add(int u, int v, std::int16_t value, std::int32_t slope) {
@@ -144,14 +164,13 @@ std::vector<double> SearchedBand::correlations(const WindowPattern& pattern) con
 std::optional<BestCorrelation> SearchedBand::best(const WindowPattern& pattern) const {
   if (is_empty()) return std::nullopt;
   const std::vector<double> values = correlations(pattern);
-  const std::size_t window = std::size_t(std::max_element(values.begin(), values.end()) - values.begin());
-  const int x = int(window) % columns_, y = int(window) / columns_;
-  if (x == 0 || x == columns_ - 1) return std::nullopt;
+  const auto window = highest(values, columns_);
+  if (!window) return std::nullopt;
   BestCorrelation best;
-  best.ncc = values[window];
-  best.pixel = {first_column_ + x, first_row_ + y};
+  best.ncc = values[*window];
+  best.pixel = {first_column_ + int(*window) % columns_, first_row_ + int(*window) / columns_};
   best.position_px = best.pixel.cast<double>() + Eigen::Vector2d(0.5, 0.5);
-  best.position_px.x() += top(values[window - 1], best.ncc, values[window + 1]);
+  best.position_px.x() += top(values[*window - 1], best.ncc, values[*window + 1]);
   const SearchedBand across(*image_, half_, {best.pixel.x(), best.pixel.x(), best.pixel.y() - 1, best.pixel.y() + 1});
   if (across.rows_ == 3) {
     const std::vector<double> column = across.correlations(pattern);

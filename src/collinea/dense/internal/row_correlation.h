@@ -52,7 +52,8 @@ class SearchedBand {
   /// Of what lies in the image; it may be empty. The image must outlive it.
   SearchedBand(const GreyImage& image, int half, const SearchBand& band);
 
-  /// The window most like a pattern of the same size by the correlation coefficient. Nothing when the band is empty, or
+  /// The window most like a pattern of the same size by the correlation coefficient, on the row where that reaches
+  /// highest between columns. Nothing when the band is empty, or
   /// when the best one lies at an end of the columns: then the best may lie beyond.
   [[nodiscard]] std::optional<BestCorrelation> best(const WindowPattern& pattern) const;
 
