@@ -26,10 +26,10 @@ WindowPattern empty_pattern(int half) {
 
 bool says_nothing(const WindowPattern& pattern) { return !(pattern.spread() > 0) || pattern.gradients == 0; }
 
-// Offset of the top of the parabola through three values, within half a pixel.
+// Offset of the top of the parabola through three values, within half a pixel, so that rounding leads back.
 double top(double before, double at, double behind) {
   const double curvature = before - 2 * at + behind;
-  return curvature < 0 ? std::clamp((before - behind) / (2 * curvature), -0.5, 0.5) : 0;
+  return curvature < 0 ? std::clamp((before - behind) / (2 * curvature), -0.499, 0.499) : 0;
 }
 
 // The best of the rows is that whose parabola along its columns reaches highest: of sheared windows that on the right
