@@ -18,9 +18,10 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kScanQuality = 95;              // of JPEG
-constexpr int kWindowRows = 256;              // of light in work at once
-constexpr int kFiner = 3, kFinerAtMarks = 8;  // positions along a side of a pixel at which the frame is drawn
+constexpr int kScanQuality = 95;  // of JPEG
+constexpr int kWindowRows = 256;  // of light in work at once
+constexpr int kFiner = 3;         // positions along a side of a pixel at which the frame is drawn
+constexpr int kSamples = 8;       // and marks
 // Titles of the columns of the true transformations and marks.
 constexpr FileText kScanColumns = "# image, column, row, rotation, scale_x, scale_y, shear\n";
 constexpr FileText kFiducialColumns = "# image, mark, x, y\n";
@@ -92,18 +93,81 @@ std::string fiducials_text(const FilmTruth& film) {
   return text;
 }
 
-// The light of frame and marks that a pixel gathers. Samples lie on a lattice that is sheared, so that an edge along
-// rows or columns meets the square of the number of them along a side: on an upright one the lines of a mark would jump
-// by parts of a pixel.
+// What a pixel of the frame gathers.
 float framed(const FilmCalibration& calibration, const FilmRays& rays, double column, double line, std::uint32_t seed) {
-  const int n = is_at_mark(calibration, rays.film_mm(column, line)) ? kFinerAtMarks : kFiner;
-  const double middle = 0.5 * (n - 1);
   float sum = 0;
-  for (int k = 0; k < n * n; ++k) {
-    const double i = k % n - middle, j = k / n - middle;
-    sum += frame_light(calibration, rays.film_mm(column + (i + j / n) / n, line + (j - i / n) / n), seed);
+  for (int k = 0; k < kFiner * kFiner; ++k)
+    sum += frame_light(
+        calibration, rays.film_mm(column + (k % kFiner + 0.5) / kFiner - 0.5, line + (k / kFiner + 0.5) / kFiner - 0.5),
+        seed);
+  return sum / (kFiner * kFiner);
+}
+
+// A mark and its ground as pixels that gather blurred light. A blur of pixels would be a staircase, and draw lines of
+// two pixels towards the middles of pixels by up to 0.06 px.
+struct MarkPatch {
+  int left = 0, top = 0;
+  FloatImage light;
+
+  // Takes the place of what lies in a row of the scan.
+  void put(int row, std::vector<Colour>& pixels) const {
+    if (row < top || row >= top + light.height) return;
+    for (int x = 0; x < light.width; ++x)
+      if (left + x >= 0 && left + x < int(pixels.size())) pixels[std::size_t(left + x)] = grey_light(row, x);
   }
-  return sum / float(n * n);
+
+ private:
+  [[nodiscard]] Colour grey_light(int row, int x) const {
+    const float value = light.at(x, row - top);
+    return {value, value, value};
+  }
+};
+
+// Shares of the samples about a pixel, kSamples of them a pixel, that it gathers: a box under a Gaussian.
+std::vector<float> gathering_weights(double blur_px, int reach_px) {
+  const int half = reach_px * kSamples + kSamples / 2;
+  std::vector<float> weights;
+  for (int k = -half; k < half; ++k) {
+    const double at = (k + 0.5) / kSamples, width = std::sqrt(2.0) * std::max(blur_px, 1e-3);
+    weights.push_back(float(0.5 * (std::erf((at + 0.5) / width) - std::erf((at - 0.5) / width)) / kSamples));
+  }
+  return weights;
+}
+
+// Rows of samples to rows of pixels, transposed: twice gathers both ways.
+FloatImage gathered(const FloatImage& samples, const std::vector<float>& weights) {
+  const int pixels = (samples.width - int(weights.size())) / kSamples + 1;
+  FloatImage out(samples.height, pixels);
+  for (int y = 0; y < samples.height; ++y)
+    for (int x = 0; x < pixels; ++x) {
+      const float* const from = samples.row(y) + x * kSamples;
+      float sum = 0;
+      for (std::size_t k = 0; k < weights.size(); ++k) sum += weights[k] * from[k];
+      out.at(y, x) = sum;
+    }
+  return out;
+}
+
+MarkPatch mark_patch(const FilmTruth& film, const FilmScan& scan, const CalibratedMark& mark, const FilmRays& rays,
+                     std::uint32_t seed) {
+  const double blur = film.truth.optics.blur_px;
+  const int reach = int(std::ceil(4 * blur)) + 1;
+  const int half = std::max(int(1.2 * film.calibration.mark_size_mm / film.pixel_mm) - reach - 1, 1);
+  const Vector2d centre = scan.pixel_of(mark.film_mm);
+  MarkPatch patch{int(centre.x()) - half, int(centre.y()) - half, {}};
+  const int width = (2 * half + 1 + 2 * reach) * kSamples;
+  FloatImage samples(width, width);
+  // Samples lie sheared within their pixel, so that an edge along rows or columns meets the square of their number.
+  const auto aside = [](int k) { return (k % kSamples - 0.5 * (kSamples - 1)) / kSamples; };
+  for (int y = 0; y < width; ++y)
+    for (int x = 0; x < width; ++x) {
+      const double column = patch.left - reach + (x + 0.5 + aside(y)) / kSamples,
+                   line = patch.top - reach + (y + 0.5 - aside(x)) / kSamples;
+      samples.at(x, y) = frame_light(film.calibration, rays.film_mm(column, line), seed);
+    }
+  const std::vector<float> weights = gathering_weights(blur, reach);
+  patch.light = gathered(gathered(samples, weights), weights);
+  return patch;
 }
 
 // The light of a window of a scan: of the scene less what the lens loses, and of the frame where the scene is not.
@@ -172,6 +236,10 @@ Result<GreyImage> render_scan(const FilmTruth& film, ImageId image, const Run& r
                       run);
   const std::vector<float> weights = gaussian_weights(film.truth.optics.blur_px);
   const int margin = int(weights.size()) / 2 + 1;
+  std::vector<MarkPatch> marks(film.calibration.marks.size());
+  parallel_for(run, marks.size(), [&](std::size_t i) {
+    marks[i] = mark_patch(film, scan, film.calibration.marks[i], rays, image.value + 1);
+  });
   GreyImage out(scan.width, scan.height);
   for (int first = 0; first < scan.height; first += kWindowRows) {
     const int last = std::min(first + kWindowRows, scan.height);
@@ -183,6 +251,7 @@ Result<GreyImage> render_scan(const FilmTruth& film, ImageId image, const Run& r
       thread_local std::vector<float> grain;
       const int row = first + int(i);
       blur_row(light, row - top, weights, vertical, blurred);
+      for (const MarkPatch& mark : marks) mark.put(row, blurred);
       grain_of_row(film.truth.seed + kGrainStream, (std::uint64_t{image.value} + 1) * 1000000, row, scan.width, grain);
       write_grey_row(blurred, grain, grain_of_pixel(film.wear, film.pixel_mm), out.row(row));
     });

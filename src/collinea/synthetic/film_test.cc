@@ -74,7 +74,7 @@ Eigen::Vector2d centroid(const GreyImage& scan, const Eigen::Vector2d& about, in
 }
 
 // Lines of 0.15 mm are one pixel and a half wide. Whole grey values leave a hundredth of a pixel (0.3 grey of
-// each of some hundred pixels, six from the middle, of a light of 2000); positions of three by three samples left 0.07.
+// each of some hundred pixels, six from the middle, of a light of 2000); three by three samples left 0.07.
 TEST(Film, MarksLieWhereTheTruthSays) {
   FilmOptions options = coarse_film();
   options.scan_um = 100;

@@ -22,6 +22,13 @@ constexpr double kFrame_mm = 3;      // dark frame of the film round the image
 constexpr double kPatchSizes = 1.5;  // half the dark ground of a mark, in sizes of the mark
 constexpr float kBedLight = 0.85F, kFrameLight = 0.004F, kMarkLight = 0.7F;
 
+bool is_at_mark(const FilmCalibration& calibration, const Vector2d& film_mm) {
+  const double half = kPatchSizes * calibration.mark_size_mm;
+  for (const CalibratedMark& mark : calibration.marks)
+    if ((film_mm - mark.film_mm).cwiseAbs().maxCoeff() < half) return true;
+  return false;
+}
+
 void add_blob(GreyImage& scan, double x, double y, double sigma, double grey) {
   const int reach = int(std::ceil(3 * sigma)), left = int(x), top = int(y);
   for (int row = std::max(0, top - reach); row <= std::min(scan.height - 1, top + reach); ++row)
@@ -92,13 +99,6 @@ FilmScan worn_scan(const FilmCalibration& calibration, double pixel_mm, const Sc
     wave.phase_rad = random.uniform(0, 2 * std::numbers::pi);
   }
   return scan;
-}
-
-bool is_at_mark(const FilmCalibration& calibration, const Vector2d& film_mm) {
-  const double half = kPatchSizes * calibration.mark_size_mm;
-  for (const CalibratedMark& mark : calibration.marks)
-    if ((film_mm - mark.film_mm).cwiseAbs().maxCoeff() < half) return true;
-  return false;
 }
 
 bool shows_scene(const FilmCalibration& calibration, const Vector2d& film_mm) {

@@ -63,8 +63,6 @@ struct FilmScan {
 
 /// Whether the film shows the scene there, not frame, marks or margin.
 [[nodiscard]] bool shows_scene(const FilmCalibration& calibration, const Eigen::Vector2d& film_mm);
-/// Whether a mark or its surroundings lie there.
-[[nodiscard]] bool is_at_mark(const FilmCalibration& calibration, const Eigen::Vector2d& film_mm);
 /// The light that the film lets through where it does not: marks, data strip, frame; beyond the film the scanner's.
 [[nodiscard]] float frame_light(const FilmCalibration& calibration, const Eigen::Vector2d& film_mm, std::uint32_t seed);
 
