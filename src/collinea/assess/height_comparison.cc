@@ -23,7 +23,8 @@ using Matrix7 = Eigen::Matrix<double, 7, 7>;
 constexpr std::size_t kMostPoints = 60'000;  // of which a co-registration is made
 constexpr std::size_t kFewest = 30;
 constexpr int kMostIterations = 40;
-constexpr int kIterationsToChoose = 12;    // afterwards no point comes or goes
+constexpr int kIterationsToChoose = 12;  // afterwards the limit of what is left out stays
+constexpr int kFullSteps = 20;
 constexpr double kSettled_cells = 1e-3;    // a step that moves points by less ends it,
 constexpr double kSettled_sigmas2 = 1e-2;  // or one that is as small beside the standard deviations
 constexpr double kFartherThan = 3;         // robust standard deviations: left out
@@ -234,15 +235,18 @@ Result<SurfaceShift> coregister(const HeightField& surface, const ReferencePoint
     if (normals.used < kFewest) return too_level();
     const auto step = solved(normals, shift.unknowns);
     if (!step) return too_level();
-    shift.values += step->first;
+    // Shorter and shorter at last: points at the limit of what is left out go in and out, to and fro.
+    const double share = shift.iterations < kFullSteps ? 1 : double(kFullSteps) / (shift.iterations + 1);
+    const Vector7 moved_by = share * step->first;
+    shift.values += moved_by;
     shift.used = normals.used;
     shift.left_out = found.size() - normals.used;
     const double variance = std::max(normals.sum_squares - step->first.dot(normals.right), 0.0) /
                             double(normals.used - std::size_t(shift.unknowns));
     shift.sigma0_m = std::sqrt(variance);
     shift.covariance = variance * step->second;
-    const double step_sigmas2 = step->first.dot(normals.matrix * step->first) / std::max(variance, 1e-300);
-    if (motion_of(step->first, arm_m) >= kSettled_cells * surface.grid.cell_m && step_sigmas2 >= kSettled_sigmas2)
+    const double step_sigmas2 = moved_by.dot(normals.matrix * moved_by) / std::max(variance, 1e-300);
+    if (motion_of(moved_by, arm_m) >= kSettled_cells * surface.grid.cell_m && step_sigmas2 >= kSettled_sigmas2)
       continue;
     if (shift.covariance.diagonal().head<2>().maxCoeff() > std::pow(kVaguest_cells * surface.grid.cell_m, 2))
       return too_level();

@@ -18,19 +18,19 @@ constexpr double kSame_px = 0.5, kSameGradient = 0.1;  // planes that lead to th
 constexpr std::size_t kNearest = 6;                    // points of a model
 constexpr std::size_t kBlock = 64;                     // pixels of a piece of work
 
-// Where matches of a grid lie: for each of its places a point, a pixel that has none, or nothing.
+// Where matches of a grid lie: for each node a point, a pixel that has none, or nothing.
 class GrownGrid {
  public:
   GrownGrid(const GreyImage& image, std::span<const Eigen::Vector2i> pixels, std::span<const LevelPoint> points,
             int step_px)
       : step_(step_px), across_(image.width / step_px + 1), down_(image.height / step_px + 1) {
-    places_.assign(std::size_t(across_) * std::size_t(down_), kNothing);
-    for (const Eigen::Vector2i& pixel : pixels) places_[place_of(pixel)] = kUnmatched;
+    nodes_.assign(std::size_t(across_) * std::size_t(down_), kNothing);
+    for (const Eigen::Vector2i& pixel : pixels) nodes_[node_of(pixel)] = kUnmatched;
     for (std::size_t i = 0; i < points.size(); ++i) set(points[i].left_px.cast<int>(), i);
   }
 
-  void set(const Eigen::Vector2i& pixel, std::size_t point) { places_[place_of(pixel)] = std::int32_t(point); }
-  [[nodiscard]] bool is_unmatched(const Eigen::Vector2i& pixel) const { return places_[place_of(pixel)] == kUnmatched; }
+  void set(const Eigen::Vector2i& pixel, std::size_t point) { nodes_[node_of(pixel)] = std::int32_t(point); }
+  [[nodiscard]] bool is_unmatched(const Eigen::Vector2i& pixel) const { return nodes_[node_of(pixel)] == kUnmatched; }
 
   // Points of the eight neighbours from the index `first` on.
   void neighbours(const Eigen::Vector2i& pixel, std::size_t first, std::vector<std::size_t>& found) const {
@@ -38,7 +38,7 @@ class GrownGrid {
     const int x = pixel.x() / step_, y = pixel.y() / step_;
     for (int v = std::max(y - 1, 0); v <= std::min(y + 1, down_ - 1); ++v)
       for (int u = std::max(x - 1, 0); u <= std::min(x + 1, across_ - 1); ++u) {
-        const std::int32_t point = places_[std::size_t(v) * std::size_t(across_) + std::size_t(u)];
+        const std::int32_t point = nodes_[std::size_t(v) * std::size_t(across_) + std::size_t(u)];
         if (point >= 0 && std::size_t(point) >= first) found.push_back(std::size_t(point));
       }
   }
@@ -46,12 +46,12 @@ class GrownGrid {
  private:
   static constexpr std::int32_t kUnmatched = -1, kNothing = -2;
 
-  [[nodiscard]] std::size_t place_of(const Eigen::Vector2i& pixel) const {
+  [[nodiscard]] std::size_t node_of(const Eigen::Vector2i& pixel) const {
     return std::size_t(pixel.y() / step_) * std::size_t(across_) + std::size_t(pixel.x() / step_);
   }
 
   int step_, across_, down_;
-  std::vector<std::int32_t> places_;
+  std::vector<std::int32_t> nodes_;
 };
 
 // A plane at a pixel.
