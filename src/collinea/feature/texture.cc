@@ -70,7 +70,8 @@ FloatImage entropy_of(const GreyImage& image, int side) {
 std::vector<float> entropy_of_row(const GreyImage& image, int side, int y) {
   COLLINEA_CHECK(side >= 3 && side % 2 == 1);
   const int w = image.width, h = image.height, half = side / 2;
-  std::vector<double> n_log_n(std::size_t(side * side + 1), 0);
+  // A column enters before one leaves: for a moment a grey value may have so many pixels.
+  std::vector<double> n_log_n(std::size_t(side * (side + 1) + 1), 0);
   for (std::size_t n = 2; n < n_log_n.size(); ++n) n_log_n[n] = double(n) * std::log2(double(n));
   std::vector<float> out;
   out.reserve(std::size_t(w));

@@ -19,6 +19,13 @@ GreyImage random_image(int width, int height, unsigned levels) {
 }
 
 // Karfis 7.5: E = -sum p log2 p of a 9 x 9 window; at most log2 81 = 6.34, not 8 (erratum 21 of that text).
+// Of one grey value it is nothing, also while a column of the window has entered and none has left yet.
+TEST(Texture, OneGreyValueHasNoEntropy) {
+  const GreyImage image(60, 30, 1, 90);
+  for (const int side : {3, 9, 15})
+    for (const float bits : entropy_of(image, side).data) EXPECT_LT(bits, 1e-6F) << side;
+}
+
 TEST(Texture, EntropyIsThatOfTheHistogram) {
   const GreyImage image = random_image(40, 30, 17);
   const FloatImage entropy = entropy_of(image, 9);
