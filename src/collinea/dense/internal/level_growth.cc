@@ -25,26 +25,43 @@ class GrownGrid {
             int step_px)
       : step_(step_px), across_(image.width / step_px + 1), down_(image.height / step_px + 1) {
     nodes_.assign(std::size_t(across_) * std::size_t(down_), kNothing);
-    for (const Eigen::Vector2i& pixel : pixels) nodes_[node_of(pixel)] = kUnmatched;
+    for (std::size_t i = 0; i < pixels.size(); ++i) nodes_[node_of(pixels[i])] = kFirstUnmatched - std::int32_t(i);
     for (std::size_t i = 0; i < points.size(); ++i) set(points[i].left_px.cast<int>(), i);
   }
 
   void set(const Eigen::Vector2i& pixel, std::size_t point) { nodes_[node_of(pixel)] = std::int32_t(point); }
-  [[nodiscard]] bool is_unmatched(const Eigen::Vector2i& pixel) const { return nodes_[node_of(pixel)] == kUnmatched; }
+
+  // Indices of pixels without a match that are neighbours of the points from the index `first` on, in their order.
+  [[nodiscard]] std::vector<std::size_t> unmatched_near(std::span<const LevelPoint> points, std::size_t first) const {
+    std::vector<std::size_t> found;
+    for (const LevelPoint& point : points.subspan(first))
+      around(point.left_px.cast<int>(), [&](std::int32_t node) {
+        if (node <= kFirstUnmatched) found.push_back(std::size_t(kFirstUnmatched - node));
+      });
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    return found;
+  }
 
   // Points of the eight neighbours from the index `first` on.
   void neighbours(const Eigen::Vector2i& pixel, std::size_t first, std::vector<std::size_t>& found) const {
     found.clear();
-    const int x = pixel.x() / step_, y = pixel.y() / step_;
-    for (int v = std::max(y - 1, 0); v <= std::min(y + 1, down_ - 1); ++v)
-      for (int u = std::max(x - 1, 0); u <= std::min(x + 1, across_ - 1); ++u) {
-        const std::int32_t point = nodes_[std::size_t(v) * std::size_t(across_) + std::size_t(u)];
-        if (point >= 0 && std::size_t(point) >= first) found.push_back(std::size_t(point));
-      }
+    around(pixel, [&](std::int32_t node) {
+      if (node >= 0 && std::size_t(node) >= first) found.push_back(std::size_t(node));
+    });
   }
 
  private:
-  static constexpr std::int32_t kUnmatched = -1, kNothing = -2;
+  static constexpr std::int32_t kNothing = -1, kFirstUnmatched = -2;
+
+  // The nodes round a pixel and its own, row by row.
+  template <class Visit>
+  void around(const Eigen::Vector2i& pixel, const Visit& visit) const {
+    const int x = pixel.x() / step_, y = pixel.y() / step_;
+    for (int v = std::max(y - 1, 0); v <= std::min(y + 1, down_ - 1); ++v)
+      for (int u = std::max(x - 1, 0); u <= std::min(x + 1, across_ - 1); ++u)
+        visit(nodes_[std::size_t(v) * std::size_t(across_) + std::size_t(u)]);
+  }
 
   [[nodiscard]] std::size_t node_of(const Eigen::Vector2i& pixel) const {
     return std::size_t(pixel.y() / step_) * std::size_t(across_) + std::size_t(pixel.x() / step_);
@@ -120,19 +137,19 @@ std::vector<LevelPoint> grown(const GreyImage& left, const GreyImage& right, std
   GrownGrid grid(left, pixels, points, options.step_px);
   std::size_t first = 0;  // of the points that the last pass found
   while (first < points.size() && !run.stopped()) {
-    std::vector<std::optional<LevelPoint>> found(pixels.size());
     const std::size_t last = points.size();
-    parallel_for(run, (pixels.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+    const std::vector<std::size_t> open = grid.unmatched_near(points, first);
+    std::vector<std::optional<LevelPoint>> found(open.size());
+    parallel_for(run, (open.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
       std::vector<std::size_t> neighbours;
-      for (std::size_t i = block * kBlock; i < std::min((block + 1) * kBlock, pixels.size()); ++i) {
-        if (!grid.is_unmatched(pixels[i])) continue;
-        grid.neighbours(pixels[i], first, neighbours);
-        if (!neighbours.empty()) found[i] = match_by_neighbours(left, right, pixels[i], points, neighbours, options);
+      for (std::size_t i = block * kBlock; i < std::min((block + 1) * kBlock, open.size()); ++i) {
+        grid.neighbours(pixels[open[i]], first, neighbours);
+        found[i] = match_by_neighbours(left, right, pixels[open[i]], points, neighbours, options);
       }
     });
-    for (std::size_t i = 0; i < pixels.size(); ++i)
+    for (std::size_t i = 0; i < open.size(); ++i)
       if (found[i]) {
-        grid.set(pixels[i], points.size());
+        grid.set(pixels[open[i]], points.size());
         points.push_back(*found[i]);
       }
     first = last;
