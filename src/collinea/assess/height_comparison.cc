@@ -23,8 +23,8 @@ using Matrix7 = Eigen::Matrix<double, 7, 7>;
 constexpr std::size_t kMostPoints = 60'000;  // of which a co-registration is made
 constexpr std::size_t kFewest = 30;
 constexpr int kMostIterations = 40;
-constexpr int kIterationsToChoose = 12;  // afterwards the limit of what is left out stays
-constexpr int kFullSteps = 20;
+constexpr int kIterationsToChoose = 12;    // afterwards the limit of what is left out stays
+constexpr int kFullSteps = 20;             // afterwards they become shorter, down to a half
 constexpr double kSettled_cells = 1e-3;    // a step that moves points by less ends it,
 constexpr double kSettled_sigmas2 = 1e-2;  // or one that is as small beside the standard deviations
 constexpr double kFartherThan = 3;         // robust standard deviations: left out
@@ -235,7 +235,7 @@ Result<SurfaceShift> coregister(const HeightField& surface, const ReferencePoint
     if (normals.used < kFewest) return too_level();
     const auto step = solved(normals, shift.unknowns);
     if (!step) return too_level();
-    // Shorter and shorter at last: points at the limit of what is left out go in and out, to and fro.
+    // Shorter at last: points at the limit of what is left out go in and out, to and fro.
     const double share = shift.iterations < kFullSteps ? 1 : double(kFullSteps) / (shift.iterations + 1);
     const Vector7 moved_by = share * step->first;
     shift.values += moved_by;

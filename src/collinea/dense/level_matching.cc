@@ -30,6 +30,7 @@ constexpr std::size_t kBlock = 64;       // points of a piece of work
 // little for its grain, or is wrong, has to stand in the larger images.
 constexpr int kGuideGrid_px = 4, kGuideTemplate_px = 9;
 constexpr double kGuideNcc = 0.6;
+constexpr double kReducedShare = 0.3;
 
 // Everything a level needs to match points.
 class LevelMatcher {
@@ -98,9 +99,7 @@ std::optional<LevelPoint> LevelMatcher::match_one(const Eigen::Vector2i& pixel, 
                                  .high_px = searched.high_px + kMargin_px,
                                  .rows = rows_at(pixel),
                                  .return_px = options_.return_px});
-  if (!found || found->ncc < options_.min_ncc) return std::nullopt;
-  const auto fitted = fitted_plane(left_, half, right_, *found);
-  return fitted && fitted->ncc >= options_.min_ncc ? fitted : std::nullopt;
+  return measured_match(left_, half, right_, found, options_.min_ncc);
 }
 
 Result<std::vector<LevelPoint>> LevelMatcher::match(const std::vector<Eigen::Vector2i>& pixels,
@@ -280,17 +279,22 @@ Result<LevelSurface> match_any(const GreyImage& left, const GreyImage& right, st
   coarse.grid_px = kGuideGrid_px;
   coarse.grid_template_px = std::min(kGuideTemplate_px, options.grid_template_px);
   coarse.min_ncc = std::min(kGuideNcc, options.min_ncc);
+  Run first = run, rest = run;  // of the time, about
+  first.progress = [&](std::string_view stage, double done) { run.report(stage, kReducedShare * done); };
+  rest.progress = [&](std::string_view stage, double done) {
+    run.report(stage, kReducedShare + (1 - kReducedShare) * done);
+  };
   COLLINEA_TRY(LevelSurface surface,
                match_any(
                    reduced(left, shrink), reduced(right, shrink), scaled(guide, 1.0 / shrink),
-                   [&](const Eigen::Vector2d& at) { return row_sigma_px(shrink * at) / shrink; }, coarse, run));
+                   [&](const Eigen::Vector2d& at) { return row_sigma_px(shrink * at) / shrink; }, coarse, first));
   for (LevelCount& count : surface.levels) count.shrink *= shrink;
   const double threshold = options.grid_px > 0 ? 0 : options.last_threshold;
   const std::vector<Eigen::Vector2i> pixels = options.grid_px > 0
                                                   ? grid_pixels(left, options.grid_px, options.min_entropy, run)
                                                   : above(corners_of(left, threshold, run), threshold);
   const LevelMatcher matcher(left, right, row_sigma_px, options);
-  Matched matched = settled(matcher, pixels, matcher.match_near(pixels, scaled(surface.points, shrink), run),
+  Matched matched = settled(matcher, pixels, matcher.match_near(pixels, scaled(surface.points, shrink), rest),
                             {.threshold = threshold, .interest = pixels.size(), .least = guide.size() / 2}, run);
   if (run.stopped()) return fail(Errc::kCancelled, "stopped");
   matched.count.is_dropped = matched.points.size() < matched.count.least;

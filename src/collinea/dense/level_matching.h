@@ -55,7 +55,9 @@ struct LevelOptions {
 struct LevelCount {
   double threshold = 0;  ///< 0: the grid
   int shrink = 1;        ///< the images were worked on at 1 / shrink of their size
-  std::size_t interest = 0, matched = 0, grown = 0, spikes = 0;
+  std::size_t interest = 0, matched = 0;
+  std::size_t grown = 0;          ///< found by spreading, of the grid
+  std::size_t spikes = 0;         ///< of both
   double median_interval_px = 0;  ///< searched along the row; 0: near planes of a reduced pair
   std::size_t least = 0;          ///< points without which it does not take the place of the model it was found with
   bool is_dropped = false;        ///< it had fewer

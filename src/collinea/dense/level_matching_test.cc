@@ -55,6 +55,23 @@ struct Pair {
 
 const auto kExact = [](const Eigen::Vector2d&) { return 0.1; };
 
+// Errors of a pixel or less as root mean square, and the share of larger ones. Noise of 2 grey and a surface that bends
+// within the windows leave 0.03 px.
+struct Errors {
+  double rms_px = 0, gross = 0;
+
+  explicit Errors(const std::vector<LevelPoint>& points) {
+    double squares = 0;
+    for (const LevelPoint& point : points) {
+      const double error = point.disparity_px - disparity(point.left_px.x(), point.left_px.y());
+      gross += std::abs(error) > 1;
+      if (std::abs(error) <= 1) squares += error * error;
+    }
+    gross /= double(points.size());
+    rms_px = std::sqrt(squares / double(points.size()));
+  }
+};
+
 TEST(LevelMatching, FindsTheSurfaceOfAPair) {
   const Pair pair(2);
   LevelOptions options;
@@ -65,18 +82,12 @@ TEST(LevelMatching, FindsTheSurfaceOfAPair) {
   ASSERT_TRUE(surface) << surface.error().message;
   ASSERT_EQ(surface->levels.size(), 5u);
   EXPECT_GT(surface->points.size(), 2000u);
-  double squares = 0;
-  std::size_t gross = 0;
-  for (const LevelPoint& point : surface->points) {
-    const double error = point.disparity_px - disparity(point.left_px.x(), point.left_px.y());
-    gross += std::abs(error) > 1;
-    if (std::abs(error) <= 1) squares += error * error;
-  }
-  EXPECT_LT(double(gross) / double(surface->points.size()), 0.01);
-  EXPECT_LT(std::sqrt(squares / double(surface->points.size())), 0.15);
+  const Errors errors(surface->points);
+  EXPECT_LT(errors.gross, 0.01);
+  EXPECT_LT(errors.rms_px, 0.05);
 }
 
-// At a quarter of the size first: the same surface as from whole images, point by point where both have one.
+// At half the size first: as many points as from whole images, and as good.
 TEST(LevelMatching, ByWayOfReducedImages) {
   const Pair pair(2);
   LevelOptions options;
@@ -89,13 +100,10 @@ TEST(LevelMatching, ByWayOfReducedImages) {
   ASSERT_TRUE(whole && reduced);
   EXPECT_EQ(reduced->levels.front().shrink, 2);
   EXPECT_EQ(reduced->levels.back().shrink, 1);
-  EXPECT_GT(double(reduced->points.size()), 0.97 * double(whole->points.size()));
-  double squares = 0;
-  for (const LevelPoint& point : reduced->points) {
-    const double error = point.disparity_px - disparity(point.left_px.x(), point.left_px.y());
-    squares += error * error;
-  }
-  EXPECT_LT(std::sqrt(squares / double(reduced->points.size())), 0.15);
+  EXPECT_GT(double(reduced->points.size()), 0.99 * double(whole->points.size()));
+  const Errors errors(reduced->points);
+  EXPECT_EQ(errors.gross, 0);
+  EXPECT_LT(errors.rms_px, 0.05);
 }
 
 TEST(LevelMatching, SameBitsForAnyNumberOfThreads) {

@@ -19,11 +19,18 @@ GreyImage random_image(int width, int height, unsigned levels) {
 }
 
 // Karfis 7.5: E = -sum p log2 p of a 9 x 9 window; at most log2 81 = 6.34, not 8 (erratum 21 of that text).
-// Of one grey value it is nothing, also while a column of the window has entered and none has left yet.
-TEST(Texture, OneGreyValueHasNoEntropy) {
-  const GreyImage image(60, 30, 1, 90);
-  for (const int side : {3, 9, 15})
-    for (const float bits : entropy_of(image, side).data) EXPECT_LT(bits, 1e-6F) << side;
+// One other pixel: while a column of the window has entered and none has left yet, more pixels than a window has are
+// alike (a table of n log n that ends before is read beyond its end: what stands there is chance, AddressSanitizer
+// sees it).
+TEST(Texture, EntropyOfAllButOnePixelAlike) {
+  GreyImage image(60, 30, 1, 90);
+  image.at(30, 15) = 40;
+  for (const int side : {3, 9, 15}) {
+    const std::vector<float> bits = entropy_of_row(image, side, 15);
+    const double p = 1.0 / (side * side), one = -p * std::log2(p) - (1 - p) * std::log2(1 - p);
+    for (int x = side; x < image.width - side; ++x)
+      EXPECT_NEAR(double(bits[std::size_t(x)]), std::abs(x - 30) <= side / 2 ? one : 0, 1e-6) << side << " " << x;
+  }
 }
 
 TEST(Texture, EntropyIsThatOfTheHistogram) {

@@ -62,13 +62,11 @@ Errors errors_of(MarkKind kind, double pixel_mm) {
 }
 
 // Coarse scans, whose lines are 1.5 to 2.5 pixels wide, say truly how well their crosses and dots are read where grain
-// is what errs. Left out: dots at 100 um, where the curve of grey values, which the drawing does not have, adds as
-// much. Of 24 marks chi-squared over its 48 degrees of freedom has a standard deviation of sqrt(2 / 48) = 0.2; four of
-// them.
+// is what errs. Of 24 marks chi-squared over its 48 degrees of freedom has a standard deviation of sqrt(2 / 48) = 0.2;
+// four of them.
 TEST(ScanMarks, ErrorsInRenderedCoarseScansAreThoseOfTheirCovariances) {
   for (const MarkKind kind : {MarkKind::kCross, MarkKind::kDot})
     for (const double um : {100.0, 60.0}) {
-      if (kind == MarkKind::kDot && um == 100) continue;
       const Errors e = errors_of(kind, 1e-3 * um);
       ASSERT_EQ(e.count, 24) << word_of(kind) << um;
       EXPECT_NEAR(e.chi2 / (2 * e.count), 1, 4 * std::sqrt(2.0 / 48)) << word_of(kind) << um;

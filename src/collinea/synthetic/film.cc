@@ -18,10 +18,11 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kScanQuality = 95;  // of JPEG
-constexpr int kWindowRows = 256;  // of light in work at once
-constexpr int kFiner = 3;         // positions along a side of a pixel at which the frame is drawn
-constexpr int kSamples = 8;       // and marks
+constexpr int kScanQuality = 95;     // of JPEG
+constexpr int kWindowRows = 256;     // of light in work at once
+constexpr int kFiner = 3;            // positions along a side of a pixel at which the frame is drawn
+constexpr int kSamples = 8;          // and marks
+constexpr double kPatchSizes = 1.2;  // half of what is drawn so, in sizes of the mark: the dark ground goes on to 1.5
 // Titles of the columns of the true transformations and marks.
 constexpr FileText kScanColumns = "# image, column, row, rotation, scale_x, scale_y, shear\n";
 constexpr FileText kFiducialColumns = "# image, mark, x, y\n";
@@ -152,7 +153,7 @@ MarkPatch mark_patch(const FilmTruth& film, const FilmScan& scan, const Calibrat
                      std::uint32_t seed) {
   const double blur = film.truth.optics.blur_px;
   const int reach = int(std::ceil(4 * blur)) + 1;
-  const int half = std::max(int(1.2 * film.calibration.mark_size_mm / film.pixel_mm) - reach - 1, 1);
+  const int half = std::max(int(kPatchSizes * film.calibration.mark_size_mm / film.pixel_mm) - reach - 1, 1);
   const Vector2d centre = scan.pixel_of(mark.film_mm);
   MarkPatch patch{int(centre.x()) - half, int(centre.y()) - half, {}};
   const int width = (2 * half + 1 + 2 * reach) * kSamples;

@@ -2,6 +2,7 @@
 #include "collinea/dense/internal/level_growth.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -84,10 +85,7 @@ std::optional<LevelPoint> match_near(const GreyImage& left, const GreyImage& rig
                                .high_px = plane.disparity_px + kNear_px,
                                .rows = options.rows(pixel),
                                .return_px = options.return_px});
-  const auto found = matcher.match(plane.gradient);
-  if (!found || found->ncc < options.min_ncc) return std::nullopt;
-  const auto fitted = fitted_plane(left, options.half, right, *found);
-  return fitted && fitted->ncc >= options.min_ncc ? fitted : std::nullopt;
+  return measured_match(left, options.half, right, matcher.match(plane.gradient), options.min_ncc);
 }
 
 // The best of those that planes of neighbours lead to.
@@ -120,11 +118,14 @@ std::vector<LevelPoint> matched_near(const GreyImage& left, const GreyImage& rig
   if (model.empty()) return {};
   const PlaneSquares squares(left_positions(model));
   std::vector<std::optional<LevelPoint>> found(pixels.size());
-  parallel_for(run, (pixels.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+  const std::size_t blocks = (pixels.size() + kBlock - 1) / kBlock;
+  std::atomic<std::size_t> done{0};
+  parallel_for(run, blocks, [&](std::size_t block) {
     for (std::size_t i = block * kBlock; i < std::min((block + 1) * kBlock, pixels.size()); ++i) {
       const Eigen::Vector2d at = pixels[i].cast<double>() + Eigen::Vector2d(0.5, 0.5);
       found[i] = match_by_neighbours(left, right, pixels[i], model, squares.nearest(at, kNearest), options);
     }
+    run.report("levels", double(++done) / double(blocks));
   });
   std::vector<LevelPoint> points;
   for (const auto& each : found)

@@ -46,7 +46,8 @@ bool is_inside(const Eigen::Vector2i& pixel) {
          pixel.y() >= kMargin_px && pixel.y() < kHeight - kMargin_px;
 }
 
-// From one match all of a sloping plane is found: fits of 13 pixels to some hundredths of a pixel.
+// From one match all of a sloping plane is found, to some hundredths of a pixel: five of the stated standard
+// deviations, which are a fifth too small (TheFitErrsAsItSays), are not reached by one in 800.
 TEST(LevelGrowth, SpreadsOverAPlane) {
   const Eigen::Vector2i middle(147, 57);
   const auto points = grown(pair().left, pair().right, grid(), {seed(middle, 0.3)}, options(), collinea::Run{});
@@ -56,7 +57,8 @@ TEST(LevelGrowth, SpreadsOverAPlane) {
     const Eigen::Vector2i pixel = point.left_px.cast<int>();
     found += is_inside(pixel);
     if (pixel == middle) continue;  // stays as it was given
-    EXPECT_NEAR(point.disparity_px, pair().disparity(pixel), 0.25) << pixel.transpose();
+    EXPECT_LT(std::abs(point.disparity_px - pair().disparity(pixel)), 5 * point.sigma_px) << pixel.transpose();
+    EXPECT_LT(point.sigma_px, 0.05) << pixel.transpose();
   }
   EXPECT_GT(inside, 300U);
   EXPECT_EQ(found, inside);

@@ -131,6 +131,13 @@ std::optional<LevelPoint> ShapedMatcher::match(const Eigen::Vector2d& gradient) 
                     is_level ? Eigen::Vector2d(0, 0) : gradient};
 }
 
+std::optional<LevelPoint> measured_match(const GreyImage& left, int half, const GreyImage& right,
+                                         const std::optional<LevelPoint>& found, double min_ncc) {
+  if (!found || found->ncc < min_ncc) return std::nullopt;
+  const auto fitted = fitted_plane(left, half, right, *found);
+  return fitted && fitted->ncc >= min_ncc ? fitted : std::nullopt;
+}
+
 std::optional<LevelPoint> fitted_plane(const GreyImage& left, int half, const GreyImage& right,
                                        const LevelPoint& start) {
   LevelPoint point = start;

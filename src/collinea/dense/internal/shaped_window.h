@@ -37,6 +37,10 @@ class ShapedMatcher {
   SearchedBand there_, back_;
 };
 
+/// A match that is good enough, measured by fitted_plane(), when it still is after that.
+[[nodiscard]] std::optional<LevelPoint> measured_match(const GreyImage& left, int half, const GreyImage& right,
+                                                       const std::optional<LevelPoint>& found, double min_ncc);
+
 /// The match by least squares: the plane of the disparities d + gradient . (u, v) of the window and gain and offset of
 /// its grey values,
 ///     left(u, v) = offset + gain right(x + u - d - gradient . (u, v), y + row + v),
