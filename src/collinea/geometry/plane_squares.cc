@@ -7,7 +7,7 @@ namespace collinea {
 namespace {
 
 constexpr double kPointsInSquare = 4;
-constexpr double kGrowth = 1.5;  // of what is looked through
+constexpr double kRounding = 1e-9;  // by which a point may lie outside its square
 
 }  // namespace
 
@@ -37,24 +37,41 @@ PlaneSquares::PlaneSquares(std::vector<Eigen::Vector2d> points) : points_(std::m
   for (std::size_t i = 0; i < points_.size(); ++i) order_[next[square[i]]++] = i;
 }
 
-std::vector<std::size_t> PlaneSquares::nearest(const Eigen::Vector2d& at, std::size_t count) const {
+std::vector<std::size_t> PlaneSquares::nearest(const Eigen::Vector2d& at, std::size_t count, double within) const {
   count = std::min(count, points_.size());
-  std::vector<std::size_t> indices;
-  if (count == 0) return indices;
-  const Eigen::Vector2d high = corner_ + side_ * Eigen::Vector2d(across_, down_);
-  const double outside = (at - at.cwiseMax(corner_).cwiseMin(high)).norm();
-  std::vector<std::pair<double, std::size_t>> found;
-  // All points within `half` lie in the square: the nearest are known once so many lie in its circle.
-  for (double half = outside + side_;; half *= kGrowth) {
-    found.clear();
-    in_square(at, half, [&](std::size_t i) { found.emplace_back((points_[i] - at).squaredNorm(), i); });
-    if (found.size() < count) continue;
-    const auto last = found.begin() + std::ptrdiff_t(count);
-    std::nth_element(found.begin(), last - 1, found.end());
-    if (found[count - 1].first <= half * half || found.size() == points_.size()) break;
+  if (count == 0) return {};
+  const Eigen::Vector2d inside =
+      at.cwiseMax(corner_).cwiseMin(corner_ + side_ * Eigen::Vector2d(across_, down_));  // nearest of the squares
+  const int column = std::min(int((inside.x() - corner_.x()) / side_), across_ - 1);
+  const int row = std::min(int((inside.y() - corner_.y()) / side_), down_ - 1);
+  const double outside2 = (at - inside).squaredNorm();
+  std::vector<std::pair<double, std::size_t>> found;  // the nearest so far, a heap with the farthest on top
+  const auto look = [&](int x, int y) {
+    const std::size_t s = std::size_t(y) * std::size_t(across_) + std::size_t(x);
+    for (std::size_t i = begin_[s]; i < begin_[s + 1]; ++i) {
+      const std::pair point((points_[order_[i]] - at).squaredNorm(), order_[i]);
+      if (point.first > within * within || (found.size() == count && point > found.front())) continue;
+      if (found.size() == count) {
+        std::pop_heap(found.begin(), found.end());
+        found.pop_back();
+      }
+      found.push_back(point);
+      std::push_heap(found.begin(), found.end());
+    }
+  };
+  // Ring by ring of squares round that of the position.
+  for (int ring = 0; ring <= std::max(across_, down_); ++ring) {
+    const double reach = std::max(ring - 1, 0) * side_ * (1 - kRounding), least2 = reach * reach + outside2;
+    if (least2 > within * within || (found.size() == count && least2 > found.front().first)) break;
+    for (int y = std::max(row - ring, 0); y <= std::min(row + ring, down_ - 1); ++y) {
+      const bool is_whole = std::abs(y - row) == ring;  // a row of the ring, not its ends alone
+      for (int x = column - ring; x <= column + ring; x += is_whole || ring == 0 ? 1 : 2 * ring)
+        if (x >= 0 && x < across_) look(x, y);
+    }
   }
-  std::sort(found.begin(), found.begin() + std::ptrdiff_t(count));
-  for (std::size_t k = 0; k < count; ++k) indices.push_back(found[k].second);
+  std::sort_heap(found.begin(), found.end());
+  std::vector<std::size_t> indices;
+  for (const auto& [distance2, index] : found) indices.push_back(index);
   return indices;
 }
 

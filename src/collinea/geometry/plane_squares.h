@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -15,9 +16,10 @@ class PlaneSquares {
  public:
   explicit PlaneSquares(std::vector<Eigen::Vector2d> points);
 
-  /// Indices of the `count` points nearest to a position, nearest first (of equal ones the lower index); all when there
-  /// are fewer.
-  [[nodiscard]] std::vector<std::size_t> nearest(const Eigen::Vector2d& at, std::size_t count) const;
+  /// Indices of the `count` points nearest to a position, nearest first (of equal ones the lower index); fewer when no
+  /// more lie within a distance.
+  [[nodiscard]] std::vector<std::size_t> nearest(const Eigen::Vector2d& at, std::size_t count,
+                                                 double within = std::numeric_limits<double>::infinity()) const;
 
   /// Calls visit(index) for the points that differ from a position by at most `half` in x and in y.
   template <class Visit>

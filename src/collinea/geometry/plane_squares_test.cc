@@ -30,7 +30,10 @@ TEST(PlaneSquares, FindsTheNearestInsideAndOutside) {
     const PlaneSquares squares(points);
     for (int i = 0; i < 200; ++i) {
       const Eigen::Vector2d at(5e5 + random.uniform(-80, 180), random.uniform(-80, 180));
-      EXPECT_EQ(squares.nearest(at, 7), nearest_by_sorting(points, at, 7));
+      std::vector<std::size_t> expected = nearest_by_sorting(points, at, 7);
+      EXPECT_EQ(squares.nearest(at, 7), expected);
+      std::erase_if(expected, [&](std::size_t k) { return (points[k] - at).norm() > 5; });
+      EXPECT_EQ(squares.nearest(at, 7, 5), expected);
     }
   }
 }
@@ -40,7 +43,7 @@ TEST(PlaneSquares, VisitsWhatLiesInASquare) {
   std::vector<Eigen::Vector2d> points;
   for (int i = 0; i < 800; ++i) points.emplace_back(random.uniform(0, 60), random.uniform(0, 40));
   const PlaneSquares squares(points);
-  for (const Eigen::Vector2d at : {Eigen::Vector2d(30, 20), Eigen::Vector2d(-3, 41)}) {
+  for (const Eigen::Vector2d& at : {Eigen::Vector2d(30, 20), Eigen::Vector2d(-3, 41)}) {
     std::vector<std::size_t> seen, expected;
     squares.in_square(at, 6, [&](std::size_t i) { seen.push_back(i); });
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -52,6 +55,11 @@ TEST(PlaneSquares, VisitsWhatLiesInASquare) {
 
 TEST(PlaneSquares, FewPointsAndNone) {
   EXPECT_TRUE(PlaneSquares({}).nearest({0, 0}, 3).empty());
+  // Of as many equal distances as you like the lower indices.
+  std::vector<Eigen::Vector2d> lattice;
+  for (int i = 0; i < 400; ++i) lattice.emplace_back(i % 20, i / 20);
+  for (const Eigen::Vector2d& at : {Eigen::Vector2d(7, 11), Eigen::Vector2d(7.5, 11), Eigen::Vector2d(19.5, -1)})
+    EXPECT_EQ(PlaneSquares(lattice).nearest(at, 6), nearest_by_sorting(lattice, at, 6));
   const PlaneSquares two({{1, 1}, {1, 1}});
   EXPECT_EQ(two.nearest({9, 9}, 5), (std::vector<std::size_t>{0, 1}));
 }

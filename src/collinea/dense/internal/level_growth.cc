@@ -17,6 +17,7 @@ namespace {
 constexpr double kNear_px = 2;                         // of a neighbour's plane
 constexpr double kSame_px = 0.5, kSameGradient = 0.1;  // planes that lead to the same match
 constexpr std::size_t kNearest = 6;                    // points of a model
+constexpr double kFarthest_px = 100;                   // of them: gradients known to 0.02 lead astray by kNear_px there
 constexpr std::size_t kBlock = 64;                     // pixels of a piece of work
 
 // Where matches of a grid lie: for each node a point, a pixel that has none, or nothing.
@@ -123,7 +124,8 @@ std::vector<LevelPoint> matched_near(const GreyImage& left, const GreyImage& rig
   parallel_for(run, blocks, [&](std::size_t block) {
     for (std::size_t i = block * kBlock; i < std::min((block + 1) * kBlock, pixels.size()); ++i) {
       const Eigen::Vector2d at = pixels[i].cast<double>() + Eigen::Vector2d(0.5, 0.5);
-      found[i] = match_by_neighbours(left, right, pixels[i], model, squares.nearest(at, kNearest), options);
+      found[i] =
+          match_by_neighbours(left, right, pixels[i], model, squares.nearest(at, kNearest, kFarthest_px), options);
     }
     run.report("levels", double(++done) / double(blocks));
   });

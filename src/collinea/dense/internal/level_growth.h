@@ -27,7 +27,8 @@ struct GrowthOptions {
                                             std::span<const Eigen::Vector2i> pixels, std::vector<LevelPoint> points,
                                             const GrowthOptions& options, const Run& run);
 
-/// Matches of pixels, in their order, near the planes of the six nearest points of a model: as grown() by neighbours.
+/// Matches of pixels, in their order, near the planes of the six nearest points of a model, at most 100 px away: as
+/// grown() by neighbours.
 [[nodiscard]] std::vector<LevelPoint> matched_near(const GreyImage& left, const GreyImage& right,
                                                    std::span<const Eigen::Vector2i> pixels,
                                                    std::span<const LevelPoint> model, const GrowthOptions& options,

@@ -86,6 +86,9 @@ std::optional<PlaneFit> fit_of(const GreyImage& left, int half, const GreyImage&
       row + half >= right.height)
     return std::nullopt;
   PlaneFit fit;
+  const std::size_t side = 2 * std::size_t(half) + 1;
+  fit.rows.reserve(side * side);
+  fit.values.reserve(side * side);
   for (int v = -half; v <= half; ++v)
     for (int u = -half; u <= half; ++u) {
       const double column = x + 0.5 + u - at.disparity_px - at.gradient.x() * u - at.gradient.y() * v;
