@@ -5,17 +5,17 @@
 #include <cmath>
 
 #include "collinea/base/file.h"
-#include "collinea/base/file_text.h"
 #include "collinea/base/memory.h"
 #include "collinea/base/parallel.h"
 #include "collinea/dense/working_images.h"
-#include "collinea/io/text.h"
 #include "collinea/jobs/internal/out_folder.h"
 #include "collinea/jobs/internal/pair_control.h"
+#include "collinea/jobs/internal/pair_exterior.h"
 #include "collinea/jobs/internal/pair_findings.h"
 #include "collinea/jobs/internal/pair_map.h"
 #include "collinea/jobs/internal/pair_orientation.h"
 #include "collinea/jobs/internal/pair_surface.h"
+#include "collinea/jobs/result_tables.h"
 #include "collinea/raster/image_file.h"
 
 namespace collinea {
@@ -25,26 +25,6 @@ namespace fs = std::filesystem;
 
 constexpr int kLineEvery = 12;  // part of the rows between two lines of the check
 constexpr int kCheckWidth_px = 2000;
-constexpr FileText kPointsRemark =
-    "homologous points; coordinates of the image files; y-parallax left by the relative orientation";
-
-TextTable point_table(const ModelOfPair& model) {
-  const double shrink = model.shrink;
-  TextTable table;
-  table.remarks = {std::string(kPointsRemark)};
-  table.columns = {{"point", ""},     {"x_left", "px"},     {"y_left", "px"}, {"x_right", "px"},
-                   {"y_right", "px"}, {"y_parallax", "px"}, {"ncc", "1"}};
-  std::size_t next = 0;
-  for (const PairResidual& residual : model.orientation.residuals) {
-    if (!residual.used) continue;
-    const MatchedPoint& point = model.points[next++];
-    table.rows.push_back({std::to_string(next), fixed(point.left_px.x() * shrink, 3),
-                          fixed(point.left_px.y() * shrink, 3), fixed(point.right_px.x() * shrink, 3),
-                          fixed(point.right_px.y() * shrink, 3), fixed(residual.y_parallax, 3), fixed(point.ncc, 3)});
-  }
-  return table;
-}
-
 // The left epipolar image above the right one's rows: side by side with lines through both.
 ColourImage check_of(const EpipolarImages& images) {
   const int step = std::max((images.left.width + images.right.width) / kCheckWidth_px, 1);
@@ -111,6 +91,27 @@ PairReport report_of(const PairFiles& pair, int shrink, const PairChainOptions& 
   return report;
 }
 
+// Absolute orientation where there is control, and both exterior orientations.
+Result<std::optional<PairControl>> orient_on_ground(const PairFiles& pair, const ModelOfPair& model,
+                                                    const PairChainOptions& options, PairReport& report) {
+  std::optional<PairControl> control;
+  if (options.control) {
+    COLLINEA_TRY(control, read_pair_control(*options.control, pair, model.shrink, options.control_sigma_px));
+    COLLINEA_TRY(report.absolute, oriented_with_rejection(*control, model, model.right_from_left(),
+                                                          options.reject_control, options.control_alpha));
+    report.control_names = control->used_names();
+    COLLINEA_TRY(report.control, pair_control_report(*control, model, *report.absolute, options.control_alpha));
+  }
+  COLLINEA_TRY(const auto poses, exterior_poses(model, control, report.absolute));
+  report.exterior = pair_exterior(poses, pair, report.is_metric());
+  return control;
+}
+
+Result<> write_tables(const PairReport& report, const fs::path& folder) {
+  COLLINEA_TRY(write_result_tables(pair_tables(report), folder));
+  return write_file(folder / "relative_geometry.svg", pair_shape_svg(*report.relative));
+}
+
 }  // namespace
 
 Result<PairReport> orient_and_match(const fs::path& left, const fs::path& right, const fs::path& folder,
@@ -127,14 +128,10 @@ Result<PairReport> orient_and_match(const fs::path& left, const fs::path& right,
                model_of(found, report.orientations.back().orientation, options.base_m.value_or(1)));
   report.epipolar = model.epipolar;
   report.y_parallax_rms_px = rms_row_px(model.in_epipolar);
-  std::optional<PairControl> control;
-  if (options.control) {
-    COLLINEA_TRY(control, read_pair_control(*options.control, pair, model.shrink, options.control_sigma_px));
-    report.control_names = control->names;
-    COLLINEA_TRY(report.absolute, oriented_absolutely(*control, model, model.right_from_left()));
-  }
+  report.relative = relative_report_of(report.orientations.back(), pair, options);
+  COLLINEA_TRY(const std::optional<PairControl> control, orient_on_ground(pair, model, options, report));
   COLLINEA_TRY(const PairOrientationSigma by_orientation, PairOrientationSigma::of(model, control, report.absolute));
-  COLLINEA_TRY(write_file(folder / "points.txt", text_of(point_table(model))));
+  COLLINEA_TRY(write_tables(report, folder));
   EpipolarImages epipolar = epipolar_images(std::move(found.images), model, options.resampling, run);
   if (run.stopped()) return fail(Errc::kCancelled, "stopped");
   COLLINEA_TRY(write_epipolar(epipolar, folder, run));
@@ -145,7 +142,7 @@ Result<PairReport> orient_and_match(const fs::path& left, const fs::path& right,
   report.median_sigma_px = cloud.median_sigma_px;
   report.median_sigma_z = cloud.median_sigma_z;
   COLLINEA_TRY(report.map, map_of(pair, model, report, cloud, options.cell_m, folder, run));
-  report.findings = pair_findings(model, report, control ? control->left_px() : std::vector<Eigen::Vector2d>{},
+  report.findings = pair_findings(model, report, control ? control->used_left_px() : std::vector<Eigen::Vector2d>{},
                                   options.wanted_sigma_z_m);
   COLLINEA_TRY(write_file(folder / "pair.txt", pair_text(report)));
   return report;

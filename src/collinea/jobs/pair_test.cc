@@ -14,6 +14,7 @@
 #include "collinea/jobs/evaluate.h"
 #include "collinea/jobs/grid_points.h"
 #include "collinea/jobs/internal/pair_orientation.h"
+#include "collinea/jobs/intersection.h"
 #include "collinea/math/median.h"
 #include "collinea/math/random.h"
 #include "collinea/raster/geotiff.h"
@@ -84,6 +85,62 @@ struct VillagePair {
   }
 };
 
+// Every point with its test, and none that was kept beyond the limit; parallaxes are those of the orientation.
+void expect_points_with_tests(const PairReport& report, const std::filesystem::path& folder) {
+  const auto points = read_text_table(folder / "points.txt");
+  ASSERT_TRUE(points);
+  const PairOrientation& last = report.orientations.back();
+  ASSERT_EQ(points->rows.size(), last.points);
+  const auto parallax = *points->numbers("y_parallax", "px"), test = *points->numbers("test", "1"),
+             sigma = *points->numbers("sigma", "px");
+  const auto used = *points->words("used");
+  double squares = 0;
+  std::size_t rejected = 0;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    EXPECT_GT(sigma[i], 0);
+    if (used[i] == "no") {
+      ++rejected;  // its test is that of the end: points that were rejected after it have changed it
+      continue;
+    }
+    EXPECT_LE(std::abs(test[i]), last.orientation.limit + 0.01);
+    squares += parallax[i] * parallax[i];
+  }
+  EXPECT_EQ(rejected, last.rejected);
+  // Of epipolar images the same parallax is a difference of rows.
+  EXPECT_NEAR(std::sqrt(squares / double(last.orientation.used)), report.y_parallax_rms_px,
+              0.1 * report.y_parallax_rms_px);
+  const auto all = read_text_table(folder / "rejected.txt");
+  ASSERT_TRUE(all);
+  std::size_t sum = 0;
+  for (const PairOrientation& of : report.orientations) sum += of.rejected;
+  EXPECT_EQ(all->rows.size(), sum);
+}
+
+// The control by the exterior orientations that the pair wrote: its measurements and coordinates are exact.
+void expect_intersection_goes_on(const VillagePair& village) {
+  const auto control = read_text_table(village.folder / "control.txt");
+  ASSERT_TRUE(control);
+  std::string marks = "image point x[px] y[px] sigma[px]\n";
+  for (const auto& row : control->rows) {
+    marks += fmt::format("{} {} {} {} 0.01\n", village.left.filename().string(), row[0], row[7], row[8]);
+    marks += fmt::format("{} {} {} {} 0.01\n", village.right.filename().string(), row[0], row[9], row[10]);
+  }
+  ASSERT_TRUE(write_file(village.folder / "marks.txt", marks));
+  IntersectTableOptions options;
+  options.photo.principal_distance = kFocal_px;
+  options.photo.principal_point = "400,300";
+  options.ground = village.folder / "control.txt";
+  const auto found =
+      intersect_from_tables(village.folder / "marks.txt", village.folder / "pair/exterior.txt", options, {});
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_TRUE(found->orientations_have_sigmas);
+  ASSERT_EQ(found->points.size(), control->rows.size());
+  for (const auto& point : found->points) {
+    ASSERT_TRUE(point.is_found && point.has_ground) << point.name;
+    for (int axis = 0; axis < 3; ++axis) EXPECT_LT(std::abs(point.off_ground[axis]), 4 * point.sigma[axis]);
+  }
+}
+
 TEST(Pair, TwoImagesOfAVillageBecomeItsSurface) {
   const VillagePair village;
   PairChainOptions options;
@@ -113,8 +170,13 @@ TEST(Pair, TwoImagesOfAVillageBecomeItsSurface) {
   ASSERT_TRUE(report->absolute);
   EXPECT_NEAR(report->absolute->ground_from_model.scale, truth.translation.norm(), 0.002 * truth.translation.norm());
   EXPECT_GT(report->surface_points, 10'000u);
-  for (const char* file : {"pair.txt", "points.txt", "epipolar_left.png", "epipolar_right.png", "epipolar_check.png"})
+  for (const char* file :
+       {"pair.txt", "points.txt", "epipolar_left.png", "epipolar_right.png", "epipolar_check.png", "rejected.txt",
+        "relative_parameters.txt", "relative_correlations.txt", "relative_residuals.txt", "relative_geometry.svg",
+        "model.txt", "exterior.txt", "absolute_parameters.txt", "absolute_correlations.txt", "absolute_residuals.txt"})
     EXPECT_TRUE(is_there(village.folder / "pair" / file)) << file;
+  expect_points_with_tests(*report, village.folder / "pair");
+  expect_intersection_goes_on(village);
 }
 
 TEST(Pair, TheDenseSurfaceHasMorePointsOnTheSameOrientation) {
@@ -352,6 +414,11 @@ TEST(Pair, SaysWhatIsMissingOrWrong) {
   const auto columns = orient_and_match(village.left, village.right, village.folder / "pair", options, {});
   ASSERT_FALSE(columns);
   EXPECT_NE(columns.error().message.find("x_left"), std::string::npos);
+  ASSERT_TRUE(write_file(village.folder / "control.txt",
+                         "point X[m] Y[m] Z[m] x_left y_left x_right y_right role\nA 1 2 3 4 5 6 7 cheque\n"));
+  const auto role = orient_and_match(village.left, village.right, village.folder / "pair", options, {});
+  ASSERT_FALSE(role);
+  EXPECT_NE(role.error().message.find("cheque"), std::string::npos);
 }
 
 // Points of a hillside to a raster, and that raster beside other points of it.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,8 @@
 #include "collinea/geometry/absolute_orientation.h"
 #include "collinea/io/text_table.h"
 #include "collinea/match/pair_points.h"
+#include "collinea/report/absolute_report.h"
+#include "collinea/report/relative_report.h"
 
 namespace collinea {
 
@@ -29,13 +32,20 @@ struct PairOrientation {
   std::size_t points = 0, rejected = 0;
   RelativeOrientation orientation;
   double sigma0_px = 0;
-  int shrink = 1;  ///< of the images, against the files
+  int shrink = 1;                     ///< of the images, against the files
+  std::vector<MatchedPoint> matched;  ///< all points, in pixels of the images; as the residuals of the orientation
 };
 
 /// The interior orientation of a scan of film.
 struct PairScan {
   std::size_t marks = 0, misread = 0;
   double rms_um = 0, pixel_um = 0;  ///< of the residuals of marks on the film; size of a pixel
+};
+
+/// The exterior orientation of an image.
+struct PairExterior {
+  std::string image;
+  std::vector<Estimate> elements;  ///< X, Y, Z, omega, phi, kappa
 };
 
 /// Surface model and orthophoto.
@@ -54,6 +64,8 @@ struct PairReport {
   std::vector<PairScan> scans;                ///< left and right; empty when the images are not of film
   std::vector<PairPointStage> search;
   std::vector<PairOrientation> orientations;
+  std::optional<RelativeReport> relative;  ///< the last one with all its points, in pixels of the files
+  std::array<PairExterior, 2> exterior;    ///< on the ground or in the model (x right, y up, z backwards)
   EpipolarPair epipolar;
   std::optional<double> pixel_um;  ///< of the images as they were worked on, where the film says its size
   Interpolation resampling = Interpolation::kBicubic;
@@ -66,7 +78,8 @@ struct PairReport {
   double median_sigma_z = 0;   ///< of their depths, in metres or bases
   bool has_base = false;       ///< the base is in metres
   std::optional<AbsoluteOrientation> absolute;
-  std::vector<std::string> control_names;
+  std::vector<std::string> control_names;  ///< of what is used, in the order of its residuals
+  std::optional<AbsoluteReport> control;   ///< absolute, of the model as `relative` has it, with tests of all points
   std::optional<PairMap> map;
   std::vector<Finding> findings;
 
@@ -79,5 +92,9 @@ struct PairReport {
 
 /// For a terminal and as a file.
 [[nodiscard]] std::string pair_text(const PairReport& report);
+/// Homologous points (points.txt), those that were rejected on the way (rejected.txt), parameters, correlations and
+/// residuals of the relative orientation and its model, both exterior orientations, and with control those of the
+/// absolute orientation.
+[[nodiscard]] std::vector<NamedTable> pair_tables(const PairReport& report);
 
 }  // namespace collinea

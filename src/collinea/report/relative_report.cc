@@ -81,7 +81,7 @@ Eigen::Vector4d residual_of(const RelativeReport& report, std::size_t i) {
   const PairResidual& residual = report.orientation.residuals[i];
   const double f = report.frame.camera.focal_px();
   Eigen::Vector4d v;
-  v << residual.first * f, residual.second * f;
+  v << residual.first * f, residual.second * report.second_principal_distance.value_or(f);
   if (report.frame.y_up) {
     v(1) = -v(1);
     v(3) = -v(3);
@@ -133,29 +133,64 @@ std::string elements_text(const RelativeReport& report) {
   return text;
 }
 
-std::string residuals_text(const RelativeReport& report) {
-  const RelativeOrientation& o = report.orientation;
-  std::string text =
-      fmt::format("residuals [{}]:\n  {:<12}{:>10}{:>10}{:>10}{:>10}{:>12}{:>8}{:>8}\n", report.frame.unit(), "point",
-                  "x left", "y left", "x right", "y right", "y-parallax", "r", "test");
+double parallax_of(const RelativeReport& report, std::size_t i) {
+  return report.orientation.residuals[i].y_parallax * report.frame.camera.focal_px();
+}
+
+std::string residual_head(const RelativeReport& report, const char* of) {
+  return fmt::format("{} [{}]:\n  {:<12}{:>10}{:>10}{:>10}{:>10}{:>12}{:>8}{:>8}\n", of, report.frame.unit(), "point",
+                     "x left", "y left", "x right", "y right", "y-parallax", "r", "test");
+}
+
+double test_of(const RelativeReport& report, std::size_t i) {
+  const double unit = unit_weight(report);
+  return unit > 0 ? report.orientation.residuals[i].standardised / unit : 0;
+}
+
+std::string residual_row(const RelativeReport& report, std::size_t i) {
+  const PairResidual& residual = report.orientation.residuals[i];
+  const Eigen::Vector4d v = residual_of(report, i);
+  return fmt::format("  {:<12}{:>10.4f}{:>10.4f}{:>10.4f}{:>10.4f}{:>12.4f}{:>8.2f}{:>8.2f}{}\n", report.names[i], v(0),
+                     v(1), v(2), v(3), parallax_of(report, i), residual.redundancy, test_of(report, i),
+                     residual.used ? "" : "  rejected");
+}
+
+std::string parallax_text(const RelativeReport& report) {
   double squares = 0;
-  for (std::size_t i = 0; i < report.points.size(); ++i) {
-    const PairResidual& residual = o.residuals[i];
-    const Eigen::Vector4d v = residual_of(report, i);
-    const double parallax = residual.y_parallax * report.frame.camera.focal_px();
-    if (residual.used) squares += parallax * parallax;
-    const double unit = unit_weight(report);
-    text += fmt::format("  {:<12}{:>10.4f}{:>10.4f}{:>10.4f}{:>10.4f}{:>12.4f}{:>8.2f}{:>8.2f}{}\n", report.names[i],
-                        v(0), v(1), v(2), v(3), parallax, residual.redundancy,
-                        unit > 0 ? residual.standardised / unit : 0, residual.used ? "" : "  rejected");
-  }
-  text += fmt::format("residual y-parallax, root mean square: {:.4f} {}\n", std::sqrt(squares / std::max(1, o.used)),
-                      report.frame.unit());
+  for (std::size_t i = 0; i < report.points.size(); ++i)
+    if (report.orientation.residuals[i].used) squares += parallax_of(report, i) * parallax_of(report, i);
+  return fmt::format("residual y-parallax, root mean square: {:.4f} {}\n",
+                     std::sqrt(squares / std::max(1, report.orientation.used)), report.frame.unit());
+}
+
+std::string rejection_text(const RelativeReport& report) {
   if (report.options.rejection == PairRejection::kSnooping)
-    text += fmt::format("test: residual over its standard deviation; beyond {:.2f} a point is rejected\n", o.limit);
-  else if (report.options.rejection == PairRejection::kResidual)
-    text += fmt::format("rejected: residuals beyond {:.2f} sigma0\n", report.options.residual_limit);
-  for (const int i : o.rejected) text += fmt::format("rejected: {}\n", report.names[static_cast<std::size_t>(i)]);
+    return fmt::format("test: residual over its standard deviation; beyond {:.2f} a point is rejected\n",
+                       report.orientation.limit);
+  if (report.options.rejection == PairRejection::kResidual)
+    return fmt::format("rejected: residuals beyond {:.2f} sigma0\n", report.options.residual_limit);
+  return "";
+}
+
+// The largest tests first.
+std::string rejected_text(const RelativeReport& report, std::size_t most) {
+  std::vector<std::size_t> rejected(report.orientation.rejected.begin(), report.orientation.rejected.end());
+  if (rejected.empty() || most == 0) return "";
+  std::stable_sort(rejected.begin(), rejected.end(), [&](std::size_t a, std::size_t b) {
+    return std::abs(test_of(report, a)) > std::abs(test_of(report, b));
+  });
+  std::string text = residual_head(report, "residuals of rejected points");
+  for (std::size_t k = 0; k < std::min(most, rejected.size()); ++k) text += residual_row(report, rejected[k]);
+  if (rejected.size() > most) text += fmt::format("  and {} more\n", rejected.size() - most);
+  return text;
+}
+
+std::string residuals_text(const RelativeReport& report) {
+  std::string text = residual_head(report, "residuals");
+  for (std::size_t i = 0; i < report.points.size(); ++i) text += residual_row(report, i);
+  text += parallax_text(report) + rejection_text(report);
+  for (const int i : report.orientation.rejected)
+    text += fmt::format("rejected: {}\n", report.names[static_cast<std::size_t>(i)]);
   return text;
 }
 
@@ -258,6 +293,29 @@ std::string value(double v) { return fmt::format("{:.9g}", v); }
 
 std::string relative_text(const RelativeReport& report) {
   return head(report) + elements_text(report) + residuals_text(report) + distances_text(report) + shape_text(report);
+}
+
+std::string relative_summary_text(const RelativeReport& report, std::size_t most_rejected) {
+  return head(report) + elements_text(report) + parallax_text(report) + rejection_text(report) +
+         rejected_text(report, most_rejected) + distances_text(report) + shape_text(report);
+}
+
+TextTable relative_correlation_table(const RelativeReport& report) {
+  TextTable table;
+  table.remarks = {"element k: the k-th of its form"};
+  table.columns = {{"form", ""}, {"element", ""}};
+  for (int k = 1; k <= 5; ++k) table.columns.push_back({fmt::format("element_{}", k), ""});
+  const auto add = [&](const char* form, const std::vector<Element>& elements, const Matrix5& c) {
+    for (Eigen::Index i = 0; i < 5; ++i) {
+      std::vector<std::string> row{form, elements[static_cast<std::size_t>(i)].name};
+      for (Eigen::Index k = 0; k < 5; ++k) row.push_back(decimal_text(c(i, k) / std::sqrt(c(i, i) * c(k, k)), 6));
+      table.rows.push_back(std::move(row));
+    }
+  };
+  if (const auto d = dependent(report)) add("dependent", dependent_list(*d), d->covariance);
+  const SymmetricWithCovariance s = symmetric(report);
+  add("symmetric", symmetric_list(s), s.covariance);
+  return table;
 }
 
 TextTable relative_parameter_table(const RelativeReport& report) {

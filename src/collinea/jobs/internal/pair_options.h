@@ -29,6 +29,8 @@ struct PairChainOptions {
   std::optional<double> wanted_sigma_z_m;
   std::optional<std::filesystem::path> control;
   double control_sigma_px = 0.5;
+  bool reject_control = false;
+  double control_alpha = 0.001;
   bool refine = true;
   PairSurface surface = PairSurface::kLevels;
   PairPointOptions points;
@@ -60,9 +62,13 @@ struct PairChainOptions {
                 1e6});
     visit(Field{"control", &O::control, "",
                 "text table: point X Y Z (- where not known), sigma_X sigma_Y sigma_Z [m], x_left y_left x_right "
-                "y_right [px], for the absolute orientation"}
+                "y_right [px], role (control, or check: only compared), for the absolute orientation"}
               .leads_to(PathKind::kFile));
     visit(Field{"control_sigma_px", &O::control_sigma_px, "px", "of the image coordinates of control", 1e-3, 100});
+    visit(Field{"reject_control", &O::reject_control, "",
+                "leave out control one by one as long as the largest test w of a coordinate is beyond its limit"});
+    visit(Field{"control_alpha", &O::control_alpha, "1", "chance with which a test of control rejects what is right",
+                1e-6, 0.5});
     visit(Field{"refine", &O::refine, "", "refine the points by least squares matching, and orient again"});
     visit(Field{"surface", &O::surface, "", "how the surface is found"});
     visit(Group{"points", &O::points});

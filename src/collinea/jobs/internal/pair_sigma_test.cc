@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "collinea/dense/working_images.h"
+#include "collinea/geometry/rotation.h"
+#include "collinea/jobs/internal/pair_exterior.h"
 #include "collinea/math/random.h"
 
 namespace collinea {
@@ -69,16 +72,18 @@ Result<RelativeOrientation> measured_orientation(const Flight& flight, Random& r
 }
 
 PairControl measured_control(const Flight& flight, Random& random) {
-  PairControl control{.file = {}, .names = {}, .pixels = {}, .sigma_px = kControlSigma_px, .points = {}};
+  PairControl control{.file = {}, .pixels = {}, .sigma_px = kControlSigma_px, .fit = {}};
   for (std::size_t i = kPoints; i < kPoints + kControl; ++i) {
-    control.names.push_back(std::to_string(i));
+    control.fit.names.push_back(std::to_string(i));
     control.pixels.push_back(
         {flight.pixel(0, i) + noise(random, kControlSigma_px), flight.pixel(1, i) + noise(random, kControlSigma_px)});
     AbsoluteControl point;
     const Eigen::Vector2d plan = noise(random, kGroundSigma_m);
     point.in_ground = flight.ground[i] + Eigen::Vector3d(plan.x(), plan.y(), kGroundSigma_m * random.normal());
     point.ground_covariance = kGroundSigma_m * kGroundSigma_m * Eigen::Matrix3d::Identity();
-    control.points.push_back(point);
+    control.fit.pairs.push_back(point);
+    control.fit.is_check.push_back(false);
+    control.fit.is_rejected.push_back(false);
   }
   return control;
 }
@@ -177,6 +182,101 @@ TEST(PairSigma, IsLargerBeyondTheControl) {
   ASSERT_TRUE(sigma);
   const Eigen::Vector2d middle(cameras.left.width_px * 0.6, cameras.left.height_px * 0.5);
   EXPECT_GT(sigma->covariance({middle.x(), 0}, disparity)(2, 2), sigma->covariance(middle, disparity)(2, 2));
+}
+
+Eigen::Matrix<double, 6, 1> pose_error(const Rigid3& found, const Rigid3& truth) {
+  Eigen::Matrix<double, 6, 1> error;
+  error << rotation_vector((found.rotation.conjugate() * truth.rotation).normalized()),
+      centre_of(found) - centre_of(truth);
+  return error;
+}
+
+// e' C^-1 e of six components has the mean 6 and the standard deviation sqrt(12): over 200 flights 0.245, four of them.
+TEST(PairExterior, PosesOnTheGroundAreAsFarOffAsStated) {
+  const Flight flight;
+  constexpr int kFlights = 200;
+  std::array<double, 2> sums{};
+  for (int i = 0; i < kFlights; ++i) {
+    Random random(23, std::uint64_t(i));
+    const auto orientation = measured_orientation(flight, random);
+    ASSERT_TRUE(orientation);
+    const PairControl control = measured_control(flight, random);
+    EpipolarPair cameras;
+    cameras.base_m = 1;
+    const ModelOfPair model = model_with(flight, *orientation, cameras, {});
+    const auto absolute = oriented_absolutely(control, model, model.right_from_left());
+    ASSERT_TRUE(absolute);
+    const auto poses = exterior_poses(model, control, *absolute);
+    ASSERT_TRUE(poses);
+    for (std::size_t k = 0; k < 2; ++k) {
+      const auto error = pose_error((*poses)[k].cam_from_ground, flight.cam_from_ground[k]);
+      sums[k] += error.dot((*poses)[k].covariance.ldlt().solve(error)) / kFlights;
+    }
+  }
+  EXPECT_NEAR(sums[0], 6, 0.98);
+  EXPECT_NEAR(sums[1], 6, 0.98);
+}
+
+// Without control the left image is the datum, and the length of the base has no error: five components are left, of
+// which the rotation has three.
+TEST(PairExterior, InTheModelTheLeftImageIsTheDatum) {
+  const Flight flight;
+  constexpr int kFlights = 200;
+  const double base = flight.right_from_left().translation.norm();
+  const Rigid3 right = moved(flight.right_from_left(), Similarity3{.rotation = Eigen::Quaterniond(0, 1, 0, 0)});
+  double sum = 0;
+  for (int i = 0; i < kFlights; ++i) {
+    Random random(29, std::uint64_t(i));
+    const auto orientation = measured_orientation(flight, random);
+    ASSERT_TRUE(orientation);
+    EpipolarPair cameras;
+    cameras.base_m = base;
+    const auto poses = exterior_poses(model_with(flight, *orientation, cameras, {}), {}, {});
+    ASSERT_TRUE(poses);
+    EXPECT_EQ((*poses)[0].covariance.norm(), 0);
+    EXPECT_EQ(centre_of((*poses)[0].cam_from_ground).norm(), 0);
+    const Eigen::Vector3d error = pose_error((*poses)[1].cam_from_ground, right).head<3>();
+    sum += error.dot((*poses)[1].covariance.topLeftCorner<3, 3>().ldlt().solve(error)) / kFlights;
+    // Along the base there is no error: to second order of its direction, some 1e-8 of it.
+    const Eigen::Vector3d along = centre_of((*poses)[1].cam_from_ground) / base;
+    EXPECT_LT(along.dot((*poses)[1].covariance.bottomRightCorner<3, 3>() * along), 1e-6);
+  }
+  EXPECT_NEAR(sum, 3, 4 * std::sqrt(6.0 / kFlights));
+}
+
+TEST(PairControl, ChecksAreComparedAndWrongControlIsLeftOut) {
+  const Flight flight;
+  Random random(31);
+  const auto orientation = measured_orientation(flight, random);
+  ASSERT_TRUE(orientation);
+  EpipolarPair cameras;
+  cameras.base_m = 1;
+  const ModelOfPair model = model_with(flight, *orientation, cameras, {});
+  PairControl control = measured_control(flight, random);
+  control.fit.is_check[4] = true;
+  control.fit.pairs[2].in_ground.z() += 5;
+  const auto kept = oriented_with_rejection(control, model, model.right_from_left(), false, 0.001);
+  ASSERT_TRUE(kept);
+  EXPECT_EQ(kept->redundancy, 8);  // five points of three coordinates, seven parameters
+  EXPECT_GT(kept->sigma0, 3);
+  const auto found = oriented_with_rejection(control, model, model.right_from_left(), true, 0.001);
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(control.fit.is_rejected[2]);
+  EXPECT_EQ(found->redundancy, 5);
+  EXPECT_EQ(control.used_names(), (std::vector<std::string>{"120", "121", "123", "125"}));
+  const auto report = pair_control_report(control, model, *found, 0.001);
+  ASSERT_TRUE(report);
+  EXPECT_TRUE(report->points[4].is_check);
+  EXPECT_TRUE(report->points[2].is_rejected);
+  EXPECT_NEAR(report->points[2].misfit.z(), 5, 6 * report->points[2].sigma.z());
+  EXPECT_LT(report->points[4].w.cwiseAbs().maxCoeff(), 4);
+  // Six parameters of the exterior orientation of the left image: the model has its axes, and its centre as origin.
+  const Eigen::Vector3d centre = centre_of(flight.cam_from_ground[0]);
+  for (int axis = 0; axis < 3; ++axis)
+    EXPECT_NEAR(report->parameters[std::size_t(axis)].value, centre[axis],
+                5 * *report->parameters[std::size_t(axis)].sigma);
+  EXPECT_NEAR(report->parameters[6].value, flight.right_from_left().translation.norm(),
+              5 * *report->parameters[6].sigma);
 }
 
 }  // namespace

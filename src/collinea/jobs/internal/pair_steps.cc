@@ -157,7 +157,7 @@ std::vector<PairPoint> normalised(const std::vector<MatchedPoint>& points, const
 
 Result<PairOrientation> oriented_by(const std::string& by, std::vector<MatchedPoint>& points, const PairImages& images,
                                     const RelativeOptions& options, std::uint64_t seed) {
-  PairOrientation made{.by = by, .points = points.size()};
+  PairOrientation made{.by = by, .points = points.size(), .matched = points};
   COLLINEA_TRY(made.orientation,
                relative_orientation(normalised(points, images.left_camera, images.right_camera, 1), options, seed));
   made.rejected = made.orientation.rejected.size();
