@@ -78,7 +78,9 @@ double rms_row_px(const std::vector<LevelPoint>& points) {
 
 PairReport report_of(const PairFiles& pair, int shrink, const PairChainOptions& options) {
   const Camera left = shrunk(pair.cameras[0], shrink);
-  PairReport report{.left_width_px = left.width_px,
+  PairReport report{.files = pair.files,
+                    .cameras = pair.cameras,
+                    .left_width_px = left.width_px,
                     .left_height_px = left.height_px,
                     .shrink = shrink,
                     .resampling = options.resampling,
@@ -144,7 +146,7 @@ Result<PairReport> orient_and_match(const fs::path& left, const fs::path& right,
   COLLINEA_TRY(report.map, map_of(pair, model, report, cloud, options.cell_m, folder, run));
   report.findings = pair_findings(model, report, control ? control->used_left_px() : std::vector<Eigen::Vector2d>{},
                                   options.wanted_sigma_z_m);
-  COLLINEA_TRY(write_file(folder / "pair.txt", pair_text(report)));
+  COLLINEA_TRY(write_pair_report(report, folder));
   return report;
 }
 

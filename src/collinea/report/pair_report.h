@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -59,9 +60,11 @@ struct PairMap {
 
 /// What was done with a pair, stage by stage.
 struct PairReport {
-  int left_width_px = 0, left_height_px = 0;  ///< of the images as they were worked on
-  int shrink = 1;                             ///< against the files
-  std::vector<PairScan> scans;                ///< left and right; empty when the images are not of film
+  std::array<std::filesystem::path, 2> files;  ///< that were worked on, of film its ideal images
+  std::array<Camera, 2> cameras;               ///< of them
+  int left_width_px = 0, left_height_px = 0;   ///< of the images as they were worked on
+  int shrink = 1;                              ///< against the files
+  std::vector<PairScan> scans;                 ///< left and right; empty when the images are not of film
   std::vector<PairPointStage> search;
   std::vector<PairOrientation> orientations;
   std::optional<RelativeReport> relative;  ///< the last one with all its points, in pixels of the files
@@ -92,6 +95,11 @@ struct PairReport {
 
 /// For a terminal and as a file.
 [[nodiscard]] std::string pair_text(const PairReport& report);
+/// The same figures for programs: units in the names, null where something is not known.
+[[nodiscard]] std::string pair_json(const PairReport& report);
+/// Writes FOLDER/pair.txt, FOLDER/pair.json and FOLDER/pair.html (one file with its pictures, no network needed) beside
+/// the products that the page shows. A picture that cannot be read is a finding of the page. Errors: disk.
+[[nodiscard]] Result<> write_pair_report(const PairReport& report, const std::filesystem::path& folder);
 /// Homologous points (points.txt), those that were rejected on the way (rejected.txt), parameters, correlations and
 /// residuals of the relative orientation and its model, both exterior orientations, and with control those of the
 /// absolute orientation.
