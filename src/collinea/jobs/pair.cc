@@ -8,7 +8,9 @@
 #include "collinea/base/memory.h"
 #include "collinea/base/parallel.h"
 #include "collinea/dense/working_images.h"
+#include "collinea/jobs/internal/given_pair.h"
 #include "collinea/jobs/internal/out_folder.h"
+#include "collinea/jobs/internal/pair_area.h"
 #include "collinea/jobs/internal/pair_control.h"
 #include "collinea/jobs/internal/pair_exterior.h"
 #include "collinea/jobs/internal/pair_findings.h"
@@ -84,8 +86,7 @@ PairReport report_of(const PairFiles& pair, int shrink, const PairChainOptions& 
                     .left_height_px = left.height_px,
                     .shrink = shrink,
                     .resampling = options.resampling,
-                    .surface = options.surface,
-                    .has_base = options.base_m.has_value()};
+                    .surface = options.surface};
   if (pair.film) report.pixel_um = 1e3 * pair.film->ideal.pixel_mm * shrink;
   if (pair.film)
     for (const ScanOrientation* scan : {&pair.film->left, &pair.film->right})
@@ -93,9 +94,21 @@ PairReport report_of(const PairFiles& pair, int shrink, const PairChainOptions& 
   return report;
 }
 
-// Absolute orientation where there is control, and both exterior orientations.
-Result<std::optional<PairControl>> orient_on_ground(const PairFiles& pair, const ModelOfPair& model,
-                                                    const PairChainOptions& options, PairReport& report) {
+// The pair on the ground: by the orientation as given, or by what control there is.
+struct OnGround {
+  std::optional<PairControl> control;
+  PairOrientationSigma sigma;
+};
+
+Result<OnGround> orient_on_ground(const PairFiles& pair, const ModelOfPair& model,
+                                  const std::optional<GivenPair>& given, const PairChainOptions& options,
+                                  PairReport& report) {
+  if (given && given->is_metric) {
+    report.absolute = given->ground_from_model();
+    report.exterior = pair_exterior(given->poses, pair, true);
+    COLLINEA_TRY(PairOrientationSigma sigma, PairOrientationSigma::of(model, given->poses));
+    return OnGround{{}, std::move(sigma)};
+  }
   std::optional<PairControl> control;
   if (options.control) {
     COLLINEA_TRY(control, read_pair_control(*options.control, pair, model.shrink, options.control_sigma_px));
@@ -106,7 +119,8 @@ Result<std::optional<PairControl>> orient_on_ground(const PairFiles& pair, const
   }
   COLLINEA_TRY(const auto poses, exterior_poses(model, control, report.absolute));
   report.exterior = pair_exterior(poses, pair, report.is_metric());
-  return control;
+  COLLINEA_TRY(PairOrientationSigma sigma, PairOrientationSigma::of(model, control, report.absolute));
+  return OnGround{std::move(control), std::move(sigma)};
 }
 
 Result<> write_tables(const PairReport& report, const fs::path& folder) {
@@ -122,30 +136,42 @@ Result<PairReport> orient_and_match(const fs::path& left, const fs::path& right,
   if (options.surface == PairSurface::kDense && options.levels != LevelOptions{})
     return fail(Errc::kBadInput, "options of the levels say nothing of the dense surface", {"surface"_option});
   COLLINEA_TRY(make_out_folder(folder));
+  std::optional<GivenPair> given;
+  if (options.exterior) {
+    COLLINEA_TRY(given, read_given_pair(left, right, options));
+  }
   COLLINEA_TRY(const PairFiles pair, open_pair(left, right, folder, options, run));
-  COLLINEA_TRY(const PairShrinks shrinks, shrinks_of(pair, options));
+  COLLINEA_TRY(const std::optional<PairArea> area, area_of(options, pair.cameras[0]));
+  COLLINEA_TRY(const PairShrinks shrinks,
+               shrinks_of(pair, options, area ? std::optional(area->pixels()) : std::nullopt));
   PairReport report = report_of(pair, shrinks.surface, options);
-  COLLINEA_TRY(OrientedPair found, orient_pair(pair, shrinks, options, report, run));
-  COLLINEA_TRY(const ModelOfPair model,
-               model_of(found, report.orientations.back().orientation, options.base_m.value_or(1)));
+  report.is_given = given.has_value();
+  report.has_base = options.base_m || (given && given->is_metric);
+  COLLINEA_TRY(OrientedPair found, orient_pair(pair, shrinks, options, report, run, given));
+  const double base = given ? given->base : options.base_m.value_or(1);
+  COLLINEA_TRY(ModelOfPair model, model_of(found, report.orientations.back().orientation, base));
+  if (area) {
+    COLLINEA_TRY(model, cropped_to(*area, std::move(model)));
+  }
   report.epipolar = model.epipolar;
   report.y_parallax_rms_px = rms_row_px(model.in_epipolar);
-  report.relative = relative_report_of(report.orientations.back(), pair, options);
-  COLLINEA_TRY(const std::optional<PairControl> control, orient_on_ground(pair, model, options, report));
-  COLLINEA_TRY(const PairOrientationSigma by_orientation, PairOrientationSigma::of(model, control, report.absolute));
+  report.relative = relative_report_of(report.orientations.back(), pair, options.relative,
+                                       report.has_base ? std::optional(base) : std::nullopt);
+  COLLINEA_TRY(const OnGround ground, orient_on_ground(pair, model, given, options, report));
   COLLINEA_TRY(write_tables(report, folder));
   EpipolarImages epipolar = epipolar_images(std::move(found.images), model, options.resampling, run);
   if (run.stopped()) return fail(Errc::kCancelled, "stopped");
   COLLINEA_TRY(write_epipolar(epipolar, folder, run));
   COLLINEA_TRY(const PairCloudSummary cloud,
-               write_surface(std::move(epipolar), pair, model, by_orientation, options, folder, report, run));
+               write_surface(std::move(epipolar), pair, model, ground.sigma, options, folder, report, run));
   give_back_freed_memory();
   report.surface_points = cloud.points;
   report.median_sigma_px = cloud.median_sigma_px;
   report.median_sigma_z = cloud.median_sigma_z;
   COLLINEA_TRY(report.map, map_of(pair, model, report, cloud, options.cell_m, folder, run));
-  report.findings = pair_findings(model, report, control ? control->used_left_px() : std::vector<Eigen::Vector2d>{},
-                                  options.wanted_sigma_z_m);
+  report.findings =
+      pair_findings(model, report, ground.control ? ground.control->used_left_px() : std::vector<Eigen::Vector2d>{},
+                    options.wanted_sigma_z_m);
   COLLINEA_TRY(write_pair_report(report, folder));
   return report;
 }

@@ -14,6 +14,7 @@
 #include "collinea/jobs/evaluate.h"
 #include "collinea/jobs/grid_points.h"
 #include "collinea/jobs/internal/pair_orientation.h"
+#include "collinea/jobs/internal/village_pair_for_tests.h"
 #include "collinea/jobs/intersection.h"
 #include "collinea/math/median.h"
 #include "collinea/math/random.h"
@@ -25,65 +26,8 @@
 namespace collinea {
 namespace {
 
-constexpr double kFocal_px = 600;
-
-// Two images of a made-up village by a camera without distortion, with the truth.
-struct VillagePair {
-  TestFolder folder;
-  Block truth;
-  std::optional<Scene> scene;
-  std::filesystem::path left, right;
-
-  struct Lens {
-    double k1 = 0;
-  };
-
-  VillagePair() : VillagePair(Lens{}) {}
-  explicit VillagePair(const Lens& lens) {
-    SurveyOptions options;
-    options.strips = 1;
-    options.images_per_strip = 2;
-    options.cross_strips = 0;
-    options.forward_overlap = 0.65;
-    options.gsd_m = 0.1;
-    options.camera.width_px = 800;
-    options.camera.height_px = 600;
-    options.camera.focal_px = kFocal_px;
-    options.camera.k1 = lens.k1;
-    options.camera.k2 = options.camera.k3 = options.camera.p1 = options.camera.p2 = 0;
-    options.camera.principal_x_px = options.camera.principal_y_px = 0;
-    const auto survey = make_survey(options);
-    EXPECT_TRUE(survey);
-    truth = survey->block;
-    scene = survey->scene;
-    std::filesystem::create_directories(folder / "images");
-    EXPECT_TRUE(write_images(*survey, folder / "images", {.threads = 2}));
-    auto image = truth.images.begin();
-    left = folder / "images" / image->second.file;
-    right = folder / "images" / (++image)->second.file;
-  }
-
-  [[nodiscard]] Rigid3 pose(int i) const { return pose_of(truth, std::next(truth.images.begin(), i)->first); }
-  [[nodiscard]] Rigid3 right_from_left() const { return pose(1) * inverse(pose(0)); }
-
-  // Points in the air and on the ground that both cameras see, as control with exact measurements.
-  [[nodiscard]] std::string control_table() const {
-    std::string text =
-        "point X[m] Y[m] Z[m] sigma_X[m] sigma_Y[m] sigma_Z[m] x_left[px] y_left[px] x_right[px] y_right[px]\n";
-    const Camera& camera = truth.cameras.begin()->second;
-    const Eigen::Vector3d middle = (centre_of(pose(0)) + centre_of(pose(1))) / 2;
-    int n = 0;
-    for (int y = -2; y <= 2; ++y)
-      for (int x = -1; x <= 1; ++x) {
-        const Eigen::Vector3d at(middle.x() + 9 * x, middle.y() + 9 * y, (n * 7) % 5);
-        const auto a = project(camera, pose(0) * at), b = project(camera, pose(1) * at);
-        if (!a || !b) continue;
-        text += fmt::format("P{} {} {} {} 0.01 0.01 0.01 {} {} {} {}\n", ++n, at.x(), at.y(), at.z(), a->x(), a->y(),
-                            b->x(), b->y());
-      }
-    return text;
-  }
-};
+using testing::kVillageFocal_px;
+using testing::VillagePair;
 
 // Every point with its test, and none that was kept beyond the limit; parallaxes are those of the orientation.
 void expect_points_with_tests(const PairReport& report, const std::filesystem::path& folder) {
@@ -127,7 +71,7 @@ void expect_intersection_goes_on(const VillagePair& village) {
   }
   ASSERT_TRUE(write_file(village.folder / "marks.txt", marks));
   IntersectTableOptions options;
-  options.photo.principal_distance = kFocal_px;
+  options.photo.principal_distance = kVillageFocal_px;
   options.photo.principal_point = "400,300";
   options.ground = village.folder / "control.txt";
   const auto found =
@@ -144,7 +88,7 @@ void expect_intersection_goes_on(const VillagePair& village) {
 TEST(Pair, TwoImagesOfAVillageBecomeItsSurface) {
   const VillagePair village;
   PairChainOptions options;
-  options.principal_distance_px = kFocal_px;
+  options.principal_distance_px = kVillageFocal_px;
   options.levels.levels = 4;
   options.levels.last_threshold = 300;
   options.levels.grid_px = 4;
@@ -182,7 +126,7 @@ TEST(Pair, TwoImagesOfAVillageBecomeItsSurface) {
 TEST(Pair, TheDenseSurfaceHasMorePointsOnTheSameOrientation) {
   const VillagePair village;
   PairChainOptions options;
-  options.principal_distance_px = kFocal_px;
+  options.principal_distance_px = kVillageFocal_px;
   options.surface = PairSurface::kDense;
   options.base_m = village.right_from_left().translation.norm();
   const auto report = orient_and_match(village.left, village.right, village.folder / "pair", options, {.threads = 2});
@@ -200,7 +144,7 @@ TEST(Pair, TheDenseSurfaceHasMorePointsOnTheSameOrientation) {
 TEST(Pair, OrientationOfLargeImagesBeginsOnSmallOnes) {
   const VillagePair village;
   PairChainOptions options;
-  options.principal_distance_px = kFocal_px;
+  options.principal_distance_px = kVillageFocal_px;
   const auto pair = open_pair(village.left, village.right, village.folder / "pair", options, {});
   ASSERT_TRUE(pair) << pair.error().message;
   PairReport report;
@@ -228,7 +172,7 @@ TEST(Pair, OrientationOfLargeImagesBeginsOnSmallOnes) {
 TEST(Pair, SameBitsForAnyNumberOfThreads) {
   const VillagePair village;
   PairChainOptions options;
-  options.principal_distance_px = kFocal_px;
+  options.principal_distance_px = kVillageFocal_px;
   options.levels.levels = 3;
   options.base_m = 17;
   for (const PairSurface surface : {PairSurface::kLevels, PairSurface::kDense}) {
@@ -257,7 +201,7 @@ TEST(Pair, ALensComesFromACameraFile) {
   EXPECT_LT(angle_between(found.second_from_first.rotation, truth.rotation), 5e-4);
   EXPECT_LT(with->orientations.back().sigma0_px, 0.1);
   options.camera.reset();
-  options.principal_distance_px = kFocal_px;
+  options.principal_distance_px = kVillageFocal_px;
   const auto without = orient_and_match(village.left, village.right, village.folder / "pair", options, {.threads = 2});
   ASSERT_TRUE(without) << without.error().message;
   const auto angle = [&](const PairReport& report) {
@@ -273,7 +217,7 @@ TEST(Pair, ALensComesFromACameraFile) {
 TEST(Pair, EpipolarImagesAreResampledAsAsked) {
   const VillagePair village;
   PairChainOptions options;
-  options.principal_distance_px = kFocal_px;
+  options.principal_distance_px = kVillageFocal_px;
   options.levels.levels = 1;
   const auto cubic = village.folder / "cubic", linear = village.folder / "linear";
   ASSERT_TRUE(orient_and_match(village.left, village.right, cubic, options, {.threads = 2}));
@@ -297,7 +241,7 @@ TEST(Pair, EpipolarImagesAreResampledAsAsked) {
 TEST(Pair, NothingIsLeftBehindAfterAnError) {
   const VillagePair village;
   PairChainOptions options;
-  options.principal_distance_px = kFocal_px;
+  options.principal_distance_px = kVillageFocal_px;
   options.levels.levels = 3;
   options.base_m = 17;
   const auto folder = village.folder / "pair";
@@ -311,7 +255,7 @@ TEST(Pair, NothingIsLeftBehindAfterAnError) {
 TEST(Pair, ControlMakesItAMap) {
   const VillagePair village;
   PairChainOptions options;
-  options.principal_distance_px = kFocal_px;
+  options.principal_distance_px = kVillageFocal_px;
   options.surface = PairSurface::kDense;
   ASSERT_TRUE(write_file(village.folder / "control.txt", village.control_table()));
   options.control = village.folder / "control.txt";
@@ -400,7 +344,7 @@ TEST(Pair, SaysWhatIsMissingOrWrong) {
   const auto nothing = orient_and_match(village.left, village.right, village.folder / "pair", options, {});
   ASSERT_FALSE(nothing);
   EXPECT_NE(nothing.error().message.find("principal distance"), std::string::npos);
-  options.principal_distance_px = kFocal_px;
+  options.principal_distance_px = kVillageFocal_px;
   EXPECT_FALSE(orient_and_match(village.left, village.folder / "none.jpg", village.folder / "pair", options, {}));
   GreyImage noise(800, 600);
   Random random(4);

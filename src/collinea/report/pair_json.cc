@@ -157,6 +157,7 @@ std::string pair_json(const PairReport& report) {
                              {"height_px", report.cameras[i].height_px},
                              {"principal_distance_px", number(report.cameras[i].focal_px())},
                              {"exterior", estimates_json(report.exterior[i].elements)}});
+  all["is_given"] = report.is_given;
   all["exterior_frame"] = report.absolute ? "ground" : "model";
   for (const PairScan& scan : report.scans)
     all["scans"].push_back({{"marks", scan.marks},

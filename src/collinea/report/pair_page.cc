@@ -12,17 +12,16 @@
 namespace collinea {
 namespace {
 
-// The pictures of the page; those that are missing are left out.
-struct Pictures {
+// The images of the page; those that are missing are left out.
+struct Previews {
   std::array<std::optional<Preview>, 2> photos;
   std::optional<Preview> epipolar, heights, sigma, ortho;
 };
 
-Pictures pictures_of(const PairReport& report, const std::filesystem::path& folder, std::vector<Finding>& findings) {
-  Pictures made;
-  for (std::size_t i = 0; i < 2; ++i)
-    made.photos[i] = preview_or_finding(preview_of_photograph, report.files[i], findings);
-  made.epipolar = preview_or_finding(preview_of_photograph, folder / "epipolar_check.png", findings);
+Previews previews_of(const PairReport& report, const std::filesystem::path& folder, std::vector<Finding>& findings) {
+  Previews made;
+  for (std::size_t i = 0; i < 2; ++i) made.photos[i] = preview_or_finding(preview_of_file, report.files[i], findings);
+  made.epipolar = preview_or_finding(preview_of_file, folder / "epipolar_check.png", findings);
   if (!report.map) return made;
   made.heights = preview_or_finding(preview_of_heights, folder / "dsm.tif", findings);
   made.sigma = preview_or_finding(preview_of_values, folder / "dsm_sigma.tif", findings);
@@ -48,7 +47,9 @@ std::string statement(const PairReport& report) {
       "Two photographs oriented by {} homologous points ({} rejected) to {:.3f} px; {} "
       "points of the surface.",
       last.orientation.used, last.rejected, last.sigma0_px, count_text(report.surface_points));
-  if (report.absolute)
+  if (report.is_given)
+    text += " Their orientation is as given.";
+  else if (report.absolute)
     text += fmt::format(" On the ground by {} control points, sigma0 {:.2f}.", report.control_names.size(),
                         report.absolute->sigma0);
   return fmt::format("<section class=\"statement{}\">\n<p>{}</p>\n</section>\n", report.absolute ? "" : " unverified",
@@ -81,39 +82,39 @@ std::string facts(const PairReport& report) {
   return html + "</dl>\n";
 }
 
-std::string products(const PairReport& report, const Pictures& pictures) {
+std::string products(const PairReport& report, const Previews& previews) {
   if (!report.map)
     return section("Products",
                    "<p>Neither control nor a base in metres, or a pair that does not look down: no surface "
                    "model and no orthophoto. The points are in cloud.ply.</p>\n");
   std::string html;
   const std::string ortho =
-      pictures.ortho ? figure(image_element(*pictures.ortho, "Orthophoto"), "Orthophoto, reduced.") : "";
+      previews.ortho ? figure(image_element(*previews.ortho, "Orthophoto"), "Orthophoto, reduced.") : "";
   const std::string heights =
-      pictures.heights
-          ? figure(image_element(*pictures.heights, "Surface model") + height_scale(*pictures.heights, "m"),
+      previews.heights
+          ? figure(image_element(*previews.heights, "Surface model") + height_scale(*previews.heights, "m"),
                    "Surface model, reduced; heights in colour, light from the north-west. White: no "
                    "height.")
           : "";
   html += pair_of(ortho, heights);
-  if (pictures.sigma)
-    html += figure(image_element(*pictures.sigma, "Sigma") + height_scale(*pictures.sigma, "m", 3),
+  if (previews.sigma)
+    html += figure(image_element(*previews.sigma, "Sigma") + height_scale(*previews.sigma, "m", 3),
                    "Standard deviations of its heights by matching and orientation. White: no height, or none is "
                    "stated.");
   return section("Products", html);
 }
 
-std::string relative_section(const PairReport& report, const Pictures& pictures) {
-  std::string html = pair_of(figure(epipolar_drawing(report, 0, pictures.photos[0]),
+std::string relative_section(const PairReport& report, const Previews& previews) {
+  std::string html = pair_of(figure(epipolar_drawing(report, 0, previews.photos[0]),
                                     "The left photograph: points, and the lines on which the "
                                     "orientation lets them lie by the right one."),
-                             figure(epipolar_drawing(report, 1, pictures.photos[1]),
+                             figure(epipolar_drawing(report, 1, previews.photos[1]),
                                     "The right photograph: the same points and the lines by "
                                     "the left one."));
-  if (pictures.epipolar)
-    html += figure(image_element(*pictures.epipolar, "Epipolar images"),
+  if (previews.epipolar)
+    html += figure(image_element(*previews.epipolar, "Epipolar images"),
                    "The epipolar images side by side: homologous points lie on the same red line.");
-  html += pair_of(figure(parallax_drawing(report, pictures.photos[0]),
+  html += pair_of(figure(parallax_drawing(report, previews.photos[0]),
                          "What is left of the y-parallaxes, exaggerated; red: rejected."),
                   figure(pair_shape_svg(*report.relative), "The points seen along the base."));
   html += "<h3>Elements</h3>\n" + table_element(relative_parameter_table(*report.relative));
@@ -137,9 +138,9 @@ std::string ground_section(const PairReport& report) {
 
 std::string pair_page(const PairReport& report, const std::filesystem::path& folder) {
   std::vector<Finding> findings = report.findings;
-  const Pictures pictures = pictures_of(report, folder, findings);
-  const std::string body = statement(report) + findings_list(findings) + facts(report) + products(report, pictures) +
-                           relative_section(report, pictures) + ground_section(report) +
+  const Previews previews = previews_of(report, folder, findings);
+  const std::string body = statement(report) + findings_list(findings) + facts(report) + products(report, previews) +
+                           relative_section(report, previews) + ground_section(report) +
                            "<footer>All figures are also in pair.json.</footer>\n";
   return whole_page({report.files[0].filename().string() + " and " + report.files[1].filename().string(), "pair report",
                      "Two photographs to a surface", ""},

@@ -60,14 +60,14 @@ std::string map_text(const PairMap& map) {
       map.mean_sigma_relative_m);
 }
 
-std::string orientation_head(const PairOrientation& of, int shrink) {
+std::string orientation_head(const PairOrientation& of, int shrink, bool is_given) {
   const std::string where = of.shrink == shrink ? "" : fmt::format(" at 1/{} of the size", of.shrink);
-  return fmt::format("relative orientation by {}{}: {} points, {} rejected, sigma0 {:.3f} px\n", of.by, where,
-                     of.points, of.rejected, of.sigma0_px);
+  return fmt::format("relative orientation {}by {}{}: {} points, {} rejected, sigma0 {:.3f} px\n",
+                     is_given ? "as given, points " : "", of.by, where, of.points, of.rejected, of.sigma0_px);
 }
 
-std::string orientation_text(const PairOrientation& of, int shrink) {
-  std::string text = orientation_head(of, shrink);
+std::string orientation_text(const PairOrientation& of, int shrink, bool is_given) {
+  std::string text = orientation_head(of, shrink, is_given);
   const auto elements = dependent_elements(of.orientation.second_from_first);
   if (!elements) return text + "  the base lies across x: no elements of the dependent form\n";
   const Matrix5 by = dependent_by_change(of.orientation.second_from_first);
@@ -113,9 +113,9 @@ std::string relative_orientations_text(const PairReport& report) {
   std::string text;
   for (std::size_t i = 0; i < report.orientations.size(); ++i) {
     const bool is_last = i + 1 == report.orientations.size();
-    text += is_last && report.relative ? orientation_head(report.orientations[i], report.shrink) +
+    text += is_last && report.relative ? orientation_head(report.orientations[i], report.shrink, report.is_given) +
                                              relative_summary_text(*report.relative, kMostRejected)
-                                       : orientation_text(report.orientations[i], report.shrink);
+                                       : orientation_text(report.orientations[i], report.shrink, report.is_given);
   }
   return text;
 }
@@ -124,7 +124,7 @@ std::string exterior_text(const PairReport& report) {
   std::string text;
   for (const PairExterior& one : report.exterior)
     if (!one.elements.empty())
-      text += fmt::format("exterior orientation of {} {}:\n", one.image,
+      text += fmt::format("exterior orientation of {} {}{}:\n", one.image, report.is_given ? "as given, " : "",
                           report.absolute ? "on the ground" : "in the model (x right, y up, z backwards)") +
               estimates_text(one.elements);
   return text;

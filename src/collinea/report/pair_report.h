@@ -66,6 +66,7 @@ struct PairReport {
   int shrink = 1;                              ///< against the files
   std::vector<PairScan> scans;                 ///< left and right; empty when the images are not of film
   std::vector<PairPointStage> search;
+  bool is_given = false;  ///< the orientation: points are only compared with it
   std::vector<PairOrientation> orientations;
   std::optional<RelativeReport> relative;  ///< the last one with all its points, in pixels of the files
   std::array<PairExterior, 2> exterior;    ///< on the ground or in the model (x right, y up, z backwards)

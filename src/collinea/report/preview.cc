@@ -92,7 +92,7 @@ Result<Preview> preview_of_values(const std::filesystem::path& geotiff, int long
   return in_colours(geotiff, longest_side_px, false);
 }
 
-Result<Preview> preview_of_photograph(const std::filesystem::path& file, int longest_side_px) {
+Result<Preview> preview_of_file(const std::filesystem::path& file, int longest_side_px) {
   COLLINEA_TRY(const ImageHeader header, read_image_header(file));
   const int longest = std::max(header.width_px, header.height_px);
   int shrink = 1;

@@ -54,17 +54,18 @@ Eigen::Matrix<double, 6, 7> by_similarity(const Rigid3& pose, const AbsoluteOrie
 
 }  // namespace
 
-RelativeReport relative_report_of(const PairOrientation& last, const PairFiles& pair, const PairChainOptions& options) {
+RelativeReport relative_report_of(const PairOrientation& last, const PairFiles& pair, const RelativeOptions& options,
+                                  std::optional<double> base_m) {
   RelativeReport report;
   report.frame.camera = pair.cameras[0];
   report.second_principal_distance = pair.cameras[1].focal_px();
   const Camera left = shrunk(pair.cameras[0], last.shrink), right = shrunk(pair.cameras[1], last.shrink);
   report.points = normalised(last.matched, left, right, 1);
   for (std::size_t i = 0; i < last.matched.size(); ++i) report.names.push_back(std::to_string(i + 1));
-  report.options = options.relative;
+  report.options = options;
   report.sigma = last.shrink;
-  report.base_is_given = options.base_m.has_value();
-  report.base = options.base_m.value_or(1);
+  report.base_is_given = base_m.has_value();
+  report.base = base_m.value_or(1);
   report.orientation = last.orientation;
   std::vector<PairPoint> used;
   for (std::size_t i = 0; i < report.points.size(); ++i)
@@ -100,10 +101,10 @@ std::array<PairExterior, 2> pair_exterior(const std::array<UncertainPose, 2>& po
   std::array<PairExterior, 2> out;
   for (std::size_t k = 0; k < 2; ++k) {
     out[k].image = pair.files[k].filename().string();
-    out[k].elements = estimates_of_pose(poses[k].cam_from_ground);
+    out[k].elements = estimates_of_pose(poses[k].cam_from_world);
     add_sigmas(
         out[k].elements,
-        covariance_of_estimates(poses[k].cam_from_ground, poses[k].covariance).diagonal().cwiseMax(0).asDiagonal());
+        covariance_of_estimates(poses[k].cam_from_world, poses[k].covariance).diagonal().cwiseMax(0).asDiagonal());
     for (Estimate& element : out[k].elements) {
       if (element.unit == "m" && !is_metric) element.unit = "";
       if (std::abs(element.value) < kRounding) element.value = 0;  // of the datum

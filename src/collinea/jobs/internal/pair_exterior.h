@@ -4,20 +4,15 @@
 #include <array>
 #include <optional>
 
+#include "collinea/jobs/internal/exterior_table.h"
 #include "collinea/jobs/internal/pair_control.h"
 
 namespace collinea {
 
 /// The relative orientation that the model has, as its command reports it: all points of it in pixels of the files,
-/// model coordinates with the axes of photographs.
+/// model coordinates with the axes of photographs, of that base or of the base 1.
 [[nodiscard]] RelativeReport relative_report_of(const PairOrientation& last, const PairFiles& pair,
-                                                const PairChainOptions& options);
-
-/// A pose with its covariance: of [rotation about the axes of the ground (rad), centre (m)].
-struct UncertainPose {
-  Rigid3 cam_from_ground;
-  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-};
+                                                const RelativeOptions& options, std::optional<double> base_m);
 
 /// Both exterior orientations: on the ground, or without control in the model with x right, y up, z backwards, where
 /// the left image is the datum. With x the change of the relative orientation, of covariance C, and t the similarity to

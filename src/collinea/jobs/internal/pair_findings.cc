@@ -76,7 +76,7 @@ std::optional<double> median_depth(const ModelOfPair& model) {
 
 void add_control(const PairReport& report, const std::optional<PairOverlap>& overlap,
                  std::span<const Vector2d> control_px, std::vector<Finding>& findings) {
-  if (!report.absolute) return;
+  if (!report.absolute || report.is_given) return;
   if (overlap)
     if (const auto [empty, quarters] = overlap->quarters_without(control_px); empty > 0)
       findings.push_back(finding_of(C::kPairControlApart, {}, {{F::kCount, double(empty)}, {F::kOf, double(quarters)}},

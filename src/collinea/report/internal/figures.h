@@ -37,7 +37,7 @@ struct Preview {
 /// Values of one band in the colours of heights, without light: standard deviations.
 [[nodiscard]] Result<Preview> preview_of_values(const std::filesystem::path& geotiff, int longest_side_px);
 /// Of a photograph (JPEG, PNG, TIFF).
-[[nodiscard]] Result<Preview> preview_of_photograph(const std::filesystem::path& file, int longest_side_px);
+[[nodiscard]] Result<Preview> preview_of_file(const std::filesystem::path& file, int longest_side_px);
 using MakePreview = Result<Preview> (*)(const std::filesystem::path&, int);
 /// A preview is a help, not a figure: when it cannot be made there is a finding, and none where `file` is empty.
 [[nodiscard]] std::optional<Preview> preview_or_finding(MakePreview make, const std::filesystem::path& file,
