@@ -123,6 +123,20 @@ Result<OnGround> orient_on_ground(const PairFiles& pair, const ModelOfPair& mode
   return OnGround{std::move(control), std::move(sigma)};
 }
 
+// Options that would not be looked at.
+Result<> check(const PairChainOptions& options) {
+  COLLINEA_TRY(validate(options));
+  if (options.surface == PairSurface::kDense && options.levels != LevelOptions{})
+    return fail(Errc::kBadInput, "options of the levels say nothing of the dense surface", {"surface"_option});
+  if (options.reject_control && !options.control)
+    return fail(Errc::kBadInput, "there is no control to be rejected", {"reject_control"_option, "control"_option});
+  if (options.exterior &&
+      (options.relative.start != RelativeOptions{}.start || options.relative.weights != RelativeOptions{}.weights))
+    return fail(Errc::kBadInput, "nothing is estimated of an orientation that is given",
+                {"exterior"_option, "start"_option, "weights"_option});
+  return {};
+}
+
 Result<> write_tables(const PairReport& report, const fs::path& folder) {
   COLLINEA_TRY(write_result_tables(pair_tables(report), folder));
   return write_file(folder / "relative_geometry.svg", pair_shape_svg(*report.relative));
@@ -132,9 +146,7 @@ Result<> write_tables(const PairReport& report, const fs::path& folder) {
 
 Result<PairReport> orient_and_match(const fs::path& left, const fs::path& right, const fs::path& folder,
                                     const PairChainOptions& options, const Run& run) {
-  COLLINEA_TRY(validate(options));
-  if (options.surface == PairSurface::kDense && options.levels != LevelOptions{})
-    return fail(Errc::kBadInput, "options of the levels say nothing of the dense surface", {"surface"_option});
+  COLLINEA_TRY(check(options));
   COLLINEA_TRY(make_out_folder(folder));
   std::optional<GivenPair> given;
   if (options.exterior) {
@@ -156,7 +168,7 @@ Result<PairReport> orient_and_match(const fs::path& left, const fs::path& right,
   report.epipolar = model.epipolar;
   report.y_parallax_rms_px = rms_row_px(model.in_epipolar);
   report.relative = relative_report_of(report.orientations.back(), pair, options.relative,
-                                       report.has_base ? std::optional(base) : std::nullopt);
+                                       report.has_base ? std::optional(base) : std::nullopt, report.is_given);
   COLLINEA_TRY(const OnGround ground, orient_on_ground(pair, model, given, options, report));
   COLLINEA_TRY(write_tables(report, folder));
   EpipolarImages epipolar = epipolar_images(std::move(found.images), model, options.resampling, run);

@@ -61,6 +61,9 @@ TEST(Pair, TakesAnExteriorOrientationAsGiven) {
   const RelativeOrientation& found = report->orientations.back().orientation;
   EXPECT_LT(angle_between(found.second_from_first.rotation, village.right_from_left().rotation), 1e-9);
   EXPECT_LT(report->orientations.back().sigma0_px, 0.1);  // as of the pair that is oriented by its points
+  // Flat ground says nothing against an orientation that points do not determine.
+  for (const Finding& finding : report->findings) EXPECT_NE(finding.code, FindingCode::kPairGeometry);
+  EXPECT_NE(pair_text(*report).find("the orientation is as given"), std::string::npos);
   ASSERT_TRUE(report->map);
   EXPECT_EQ(*report->exterior[0].elements[0].sigma, 0.01);
   EXPECT_NEAR(*report->exterior[1].elements[4].sigma, 0.001, 1e-12);
@@ -124,6 +127,9 @@ TEST(Pair, RefusesExteriorOrientationsThatCannotBe) {
   const auto row = [](const char* name) { return std::string(name) + " 1 2 3 0 0 0 0 0 0 0 0 0\n"; };
   EXPECT_TRUE(refused(table.substr(0, table.find('\n') + 1) + row("left") + row("right")));  // no base
   options.base_m = 5;
+  EXPECT_TRUE(refused(table));
+  options.base_m.reset();
+  options.relative.weights = PairWeights::kCells;
   EXPECT_TRUE(refused(table));
 }
 

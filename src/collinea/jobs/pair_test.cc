@@ -353,6 +353,11 @@ TEST(Pair, SaysWhatIsMissingOrWrong) {
   const auto other = orient_and_match(village.left, village.folder / "noise.png", village.folder / "pair", options, {});
   ASSERT_FALSE(other);
   EXPECT_NE(other.error().message.find("do not show the same"), std::string::npos);
+  options.reject_control = true;
+  const auto reject = orient_and_match(village.left, village.right, village.folder / "pair", options, {});
+  ASSERT_FALSE(reject);
+  EXPECT_EQ(reject.error().options.front().name, "reject_control");
+  options.reject_control = false;
   ASSERT_TRUE(write_file(village.folder / "control.txt", "point X[m] Y[m]\nA 1 2\n"));
   options.control = village.folder / "control.txt";
   const auto columns = orient_and_match(village.left, village.right, village.folder / "pair", options, {});

@@ -93,8 +93,11 @@ double unit_weight(const RelativeReport& report) { return std::sqrt(report.orien
 
 std::string head(const RelativeReport& report) {
   const RelativeOrientation& o = report.orientation;
-  std::string text = fmt::format("relative orientation of {} points, {} rejected; redundancy {:.6g}\n", o.used,
-                                 o.rejected.size(), o.redundancy);
+  std::string text = report.is_given
+                         ? fmt::format("the orientation is as given: {} points compared with it, {} rejected\n", o.used,
+                                       o.rejected.size())
+                         : fmt::format("relative orientation of {} points, {} rejected; redundancy {:.6g}\n", o.used,
+                                       o.rejected.size(), o.redundancy);
   if (o.redundancy == 0) return text + "five points: nothing checks them\n";
   const std::string_view unit = report.frame.unit();
   if (report.options.sigma_known) {
@@ -122,8 +125,9 @@ std::string elements_text(const RelativeReport& report) {
     text += "dependent pair: the base has no component along x, by and bz are without bound\n";
   const SymmetricWithCovariance s = symmetric(report);
   text += "symmetric pair (independent), omega1 = 0:\n" + list_text(symmetric_list(s), s.covariance);
-  text += fmt::format("of the four solutions this one has {} of {} points in front of both images\n",
-                      report.orientation.in_front, report.orientation.used);
+  text += fmt::format("{} has {} of {} points in front of both images\n",
+                      report.is_given ? "it" : "of the four solutions this one", report.orientation.in_front,
+                      report.orientation.used);
   const RelativeOrientation& o = report.orientation;
   if (o.in_front < kFront * o.used)
     text += "wrong: rays of many points meet behind an image. The points are not those of two views of one object\n";
@@ -249,6 +253,7 @@ std::string sentence_of(PairWeakness weakness, const RelativeReport& report) {
 }
 
 std::string shape_text(const RelativeReport& report) {
+  if (report.is_given) return "";  // the points determine nothing
   if (!report.shape) return "fewer than five points in front of both images: their geometry is not judged\n";
   const PairShape& shape = *report.shape;
   const std::string unit = report.base_is_given ? " m" : " (base = " + fmt::format("{:g}", report.base) + ")";
@@ -395,56 +400,6 @@ TextTable relative_exterior_table(const RelativeReport& report) {
   table.rows.push_back({"right", value(centre.x()), value(centre.y()), value(centre.z()), value(angles.omega_deg),
                         value(angles.phi_deg), value(angles.kappa_deg)});
   return table;
-}
-
-std::string pair_shape_svg(const RelativeReport& report) {
-  constexpr double kSize = 480, kMargin = 40;
-  std::string body;
-  if (report.shape) {
-    const PairShape& shape = *report.shape;
-    std::vector<Eigen::Vector2d> across;
-    Eigen::Vector2d low(0, 0), high(0, 0);
-    const auto widen = [&](const Eigen::Vector2d& p) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    };
-    for (const auto& point : report.model.points) {
-      if (!point || !point->in_front) continue;
-      const Eigen::Vector3d in_camera =
-          Eigen::Vector3d(point->position.x(), -point->position.y(), -point->position.z());
-      across.emplace_back(shape.across_in_first.transpose() * in_camera);
-      widen(across.back());
-    }
-    const bool draws_circle = shape.cylinder && shape.cylinder->radius < 2 * shape.distance;
-    if (draws_circle) {
-      const Eigen::Vector2d r = Eigen::Vector2d::Constant(shape.cylinder->radius * report.base);
-      widen(shape.cylinder->centre * report.base - r);
-      widen(shape.cylinder->centre * report.base + r);
-    }
-    const double scale = (kSize - 2 * kMargin) / std::max({high.x() - low.x(), high.y() - low.y(), 1e-9});
-    const auto at = [&](const Eigen::Vector2d& p) {
-      return Eigen::Vector2d(kMargin + (p.x() - low.x()) * scale, kMargin + (p.y() - low.y()) * scale);
-    };
-    if (draws_circle) {
-      const Eigen::Vector2d c = at(shape.cylinder->centre * report.base);
-      body += fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='{:.1f}' fill='none' stroke='#b33' stroke-width='1.5'/>\n",
-                          c.x(), c.y(), shape.cylinder->radius * report.base * scale);
-    }
-    for (const Eigen::Vector2d& p : across)
-      body += fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='2.5' fill='#246'/>\n", at(p).x(), at(p).y());
-    const Eigen::Vector2d base = at({0, 0});
-    body += fmt::format(
-        "<rect x='{:.1f}' y='{:.1f}' width='8' height='8' fill='#000'/>\n<text x='{:.1f}' y='{:.1f}'>base</text>\n",
-        base.x() - 4, base.y() - 4, base.x() + 8, base.y() - 6);
-    if (shape.cylinder)
-      body += fmt::format("<text x='10' y='{:.0f}'>roughness {:.1f} % of the distance, epsilon {:.2g}</text>\n",
-                          kSize - 10, 100 * shape.cylinder->roughness / shape.distance, shape.epsilon);
-  }
-  return fmt::format(
-      "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {0:.0f} {0:.0f}' width='{0:.0f}' height='{0:.0f}' "
-      "font-family='sans-serif' font-size='13'>\n<rect width='100%' height='100%' fill='#fff'/>\n<text x='10' y='18'>"
-      "points seen along the base, and the nearest critical cylinder</text>\n{1}</svg>\n",
-      kSize, body);
 }
 
 }  // namespace collinea

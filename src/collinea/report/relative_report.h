@@ -26,6 +26,7 @@ struct RelativeReport {
   bool sigma_is_given = false;
   double base = 1;
   bool base_is_given = false;  ///< then it is in m
+  bool is_given = false;       ///< the orientation: points are only compared with it
   RelativeOrientation orientation;
   std::optional<PairShape> shape;
   PairModel model;  ///< x right, y up, z backwards

@@ -55,8 +55,9 @@ Eigen::Matrix<double, 6, 7> by_similarity(const Rigid3& pose, const AbsoluteOrie
 }  // namespace
 
 RelativeReport relative_report_of(const PairOrientation& last, const PairFiles& pair, const RelativeOptions& options,
-                                  std::optional<double> base_m) {
+                                  std::optional<double> base_m, bool is_given) {
   RelativeReport report;
+  report.is_given = is_given;
   report.frame.camera = pair.cameras[0];
   report.second_principal_distance = pair.cameras[1].focal_px();
   const Camera left = shrunk(pair.cameras[0], last.shrink), right = shrunk(pair.cameras[1], last.shrink);

@@ -12,7 +12,8 @@ namespace collinea {
 /// The relative orientation that the model has, as its command reports it: all points of it in pixels of the files,
 /// model coordinates with the axes of photographs, of that base or of the base 1.
 [[nodiscard]] RelativeReport relative_report_of(const PairOrientation& last, const PairFiles& pair,
-                                                const RelativeOptions& options, std::optional<double> base_m);
+                                                const RelativeOptions& options, std::optional<double> base_m,
+                                                bool is_given);
 
 /// Both exterior orientations: on the ground, or without control in the model with x right, y up, z backwards, where
 /// the left image is the datum. With x the change of the relative orientation, of covariance C, and t the similarity to

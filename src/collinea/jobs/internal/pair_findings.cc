@@ -162,7 +162,7 @@ std::vector<Finding> pair_findings(const ModelOfPair& model, const PairReport& r
   const auto overlap = PairOverlap::of(model);
   std::vector<Finding> findings;
   add_points(last, overlap, model.points, findings);
-  add_geometry(model, findings);
+  if (!report.is_given) add_geometry(model, findings);  // what is given is not determined by the points
   if (wanted_sigma_z_m && report.is_metric() && report.median_sigma_z_m() > *wanted_sigma_z_m)
     if (const auto ratio = base_ratio(report, median_depth(model)))
       findings.push_back(
