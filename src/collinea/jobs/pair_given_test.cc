@@ -31,17 +31,18 @@ std::string drawing_of(const std::string& page, const std::string& name) {
 }
 
 // The exterior orientation as a table has it, under the names of the images.
-std::string exterior_of(const VillagePair& village, bool is_swapped = false) {
-  std::string table =
-      "image X[m] Y[m] Z[m] omega[deg] phi[deg] kappa[deg] sigma_X[m] sigma_Y[m] sigma_Z[m] sigma_omega[deg] "
-      "sigma_phi[deg] sigma_kappa[deg]\n";
+std::string exterior_of(const VillagePair& village, bool is_swapped = false, bool has_sigmas = true) {
+  std::string table = "image X[m] Y[m] Z[m] omega[deg] phi[deg] kappa[deg]";
+  if (has_sigmas) table += " sigma_X[m] sigma_Y[m] sigma_Z[m] sigma_omega[deg] sigma_phi[deg] sigma_kappa[deg]";
+  table += "\n";
   for (int i = 0; i < 2; ++i) {
     const Rigid3 pose = village.pose(is_swapped ? 1 - i : i);
     const OmegaPhiKappa angles = omega_phi_kappa(pose.rotation);
     const Eigen::Vector3d centre = centre_of(pose);
-    table += fmt::format("{} {:.9f} {:.9f} {:.9f} {:.12f} {:.12f} {:.12f} 0.01 0.01 0.01 0.001 0.001 0.001\n",
+    table += fmt::format("{} {:.9f} {:.9f} {:.9f} {:.12f} {:.12f} {:.12f}{}\n",
                          (i == 0 ? village.left : village.right).filename().string(), centre.x(), centre.y(),
-                         centre.z(), angles.omega_deg, angles.phi_deg, angles.kappa_deg);
+                         centre.z(), angles.omega_deg, angles.phi_deg, angles.kappa_deg,
+                         has_sigmas ? " 0.01 0.01 0.01 0.001 0.001 0.001" : "");
   }
   return table;
 }
@@ -109,6 +110,21 @@ TEST(Pair, AnOrientationInUnitsOfTheBaseGivesAModel) {
   ASSERT_EQ(first->data.size(), second->data.size());
   for (std::size_t i = 0; i < first->data.size(); ++i)
     ASSERT_LE(std::abs(int(first->data[i]) - int(second->data[i])), 1) << i;
+}
+
+TEST(Pair, AnOrientationWithoutSigmasIsExact) {
+  const VillagePair village;
+  PairChainOptions options;
+  options.principal_distance_px = kVillageFocal_px;
+  options.levels.levels = 1;
+  options.exterior = village.folder / "exterior.txt";
+  ASSERT_TRUE(write_file(*options.exterior, exterior_of(village, false, false)));
+  const auto report = orient_and_match(village.left, village.right, village.folder / "pair", options, {.threads = 2});
+  ASSERT_TRUE(report) << report.error().message;
+  for (const PairExterior& image : report->exterior)
+    for (const Estimate& element : image.elements) EXPECT_FALSE(element.sigma);
+  EXPECT_EQ(report->orientations.back().orientation.stated_covariance().norm(), 0);
+  EXPECT_EQ(read_file(village.folder / "pair/pair.txt")->find("nan"), std::string::npos);
 }
 
 TEST(Pair, RefusesExteriorOrientationsThatCannotBe) {

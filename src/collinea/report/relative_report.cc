@@ -61,15 +61,20 @@ std::vector<Element> symmetric_list(const SymmetricWithCovariance& s) {
   return elements_of(s.elements.values(), s.covariance, {"phi1", "kappa1", "omega2", "phi2", "kappa2"}, 0);
 }
 
+// 0 where one of the two is exact.
+double correlation_of(const Matrix5& covariance, Eigen::Index row, Eigen::Index column) {
+  const double product = covariance(row, row) * covariance(column, column);
+  return product > 0 ? covariance(row, column) / std::sqrt(product) : 0;
+}
+
 std::string list_text(const std::vector<Element>& elements, const Matrix5& covariance) {
   std::string text;
   for (std::size_t i = 0; i < elements.size(); ++i) {
     const Element& e = elements[i];
     text += fmt::format("  {:<7}{:>12.6f} {:<4} sigma {:.6f}", e.name, e.value, e.unit == "1" ? "" : e.unit, e.sigma);
-    for (std::size_t k = 0; k < i; ++k) {
+    for (std::size_t k = 0; k < i && e.sigma > 0; ++k) {  // what is given without a sigma is exact
       const auto row = static_cast<Eigen::Index>(i), column = static_cast<Eigen::Index>(k);
-      text += fmt::format("{}{:6.2f}", k == 0 ? "   correlations " : "",
-                          covariance(row, column) / std::sqrt(covariance(row, row) * covariance(column, column)));
+      text += fmt::format("{}{:6.2f}", k == 0 ? "   correlations " : "", correlation_of(covariance, row, column));
     }
     text += "\n";
   }

@@ -103,9 +103,10 @@ std::array<PairExterior, 2> pair_exterior(const std::array<UncertainPose, 2>& po
   for (std::size_t k = 0; k < 2; ++k) {
     out[k].image = pair.files[k].filename().string();
     out[k].elements = estimates_of_pose(poses[k].cam_from_world);
-    add_sigmas(
-        out[k].elements,
-        covariance_of_estimates(poses[k].cam_from_world, poses[k].covariance).diagonal().cwiseMax(0).asDiagonal());
+    if (poses[k].covariance.norm() > 0)  // otherwise it is exact
+      add_sigmas(
+          out[k].elements,
+          covariance_of_estimates(poses[k].cam_from_world, poses[k].covariance).diagonal().cwiseMax(0).asDiagonal());
     for (Estimate& element : out[k].elements) {
       if (element.unit == "m" && !is_metric) element.unit = "";
       if (std::abs(element.value) < kRounding) element.value = 0;  // of the datum
