@@ -36,6 +36,7 @@ Command interest_command();
 Command correlate_command();
 Command resection_command();
 Command intersection_command();
+Command monoplot_command();
 Command absolute_command();
 Command rotation_command();
 Command collinearity_command();
@@ -82,11 +83,12 @@ struct CommandGroup {
        }},
       {"Single steps: one method, with its standard deviations",
        {
-           relative_command(),     triplet_command(),  factorise_command(),    interest_command(),
-           correlate_command(),    absolute_command(), interior_command(),     resection_command(),
-           intersection_command(), rotation_command(), collinearity_command(), refraction_command(),
-           edges_command(),        enhance_command(),  models_command(),       rectify_command(),
-           volume_command(),       profile_command(),  evaluate_command(),     grid_command(),
+           relative_command(),     triplet_command(),  factorise_command(), interest_command(),
+           correlate_command(),    absolute_command(), interior_command(),  resection_command(),
+           intersection_command(), monoplot_command(), rotation_command(),  collinearity_command(),
+           refraction_command(),   edges_command(),    enhance_command(),   models_command(),
+           rectify_command(),      volume_command(),   profile_command(),   evaluate_command(),
+           grid_command(),
        }},
       {"Planning",
        {

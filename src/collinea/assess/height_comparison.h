@@ -19,7 +19,9 @@ namespace collinea {
 /// By what a surface is brought to its reference before they are compared.
 enum class Coregistration { kNone, kShift, kSimilarity };
 inline constexpr Word<Coregistration> kCoregistrationWords[] = {
-    {Coregistration::kNone, "none"}, {Coregistration::kShift, "shift"}, {Coregistration::kSimilarity, "similarity"}};
+    {Coregistration::kNone, "none"},
+    {Coregistration::kShift, "shift", "east, north, up"},
+    {Coregistration::kSimilarity, "similarity", "turns and scale too"}};
 [[nodiscard]] constexpr std::span<const Word<Coregistration>> words(Coregistration) { return kCoregistrationWords; }
 
 /// How a surface lies against its reference: its point is R m (X - middle) + middle + shift of the reference's point X.

@@ -143,8 +143,7 @@ double longest(const PairPoint& point, const Eigen::Vector4d& v) {
 }
 
 // Residuals of all points and what follows from those used: sigma0, redundancy.
-void set_statistics(std::span<const PairPoint> points, Adjustment& work, RelativeOrientation& out) {
-  set_covariance(work);
+void set_statistics(std::span<const PairPoint> points, const Adjustment& work, RelativeOrientation& out) {
   const Linearised at(work.motion);
   out.residuals.assign(points.size(), {});
   double squares = 0;
@@ -308,6 +307,7 @@ Result<> solve(std::span<const PairPoint> points, const RelativeOptions& options
                 "the relative orientation does not converge: the start is too far off, or many points are wrong",
                 {"start"_option});
   }
+  set_covariance(work);
   set_statistics(points, work, state);
   state.limit = critical_value(options, std::max(1.0, state.redundancy));
   return {};
@@ -402,6 +402,41 @@ Result<RelativeOrientation> relative_orientation(std::span<const PairPoint> poin
   out.covariance = work.covariance;
   out.normal = normal_of(work.motion, used);
   out.variance_factor = options.sigma_known || out.redundancy == 0 ? 1 : out.sigma0 * out.sigma0;
+  return out;
+}
+
+Result<RelativeOrientation> given_orientation(std::span<const PairPoint> points, const Rigid3& second_from_first,
+                                              const Matrix5& covariance, const RelativeOptions& options) {
+  COLLINEA_TRY(check(points));
+  Adjustment work;
+  work.motion = second_from_first;
+  work.motion.translation.normalize();
+  work.equations.resize(points.size());
+  work.normal = work.inverse = work.covariance = Matrix5::Zero();  // the points gave nothing to the orientation
+  RelativeOrientation out;
+  const auto state = [&] {
+    set_statistics(points, work, out);
+    out.limit = critical_value(options, std::max(1.0, out.redundancy));
+  };
+  state();
+  while (options.rejection != PairRejection::kNone && out.redundancy > 1.5) {
+    const auto found = worst(options, out);
+    if (!found) break;
+    work.equations[*found].used = false;
+    out.rejected.push_back(static_cast<int>(*found));
+    state();
+  }
+  std::vector<PairPoint> used;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (work.equations[i].used) used.push_back(points[i]);
+  for (const RelativeSolution& one : relative_solutions(work.motion, used))
+    if (angle_between(one.second_from_first.rotation, work.motion.rotation) < 1e-6 &&
+        base_in_first(one.second_from_first).dot(base_in_first(work.motion)) > 0)
+      out.in_front = one.in_front;
+  out.second_from_first = work.motion;
+  out.normal = normal_of(work.motion, used);
+  out.variance_factor = options.sigma_known || !(out.sigma0 > 0) ? 1 : out.sigma0 * out.sigma0;
+  out.covariance = covariance / out.variance_factor;
   return out;
 }
 

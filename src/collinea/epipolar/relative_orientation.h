@@ -64,8 +64,8 @@ struct RelativeOptions {
 /// A measured point after the orientation.
 struct PairResidual {
   Eigen::Vector2d first = {0, 0}, second = {0, 0};  ///< adjusted minus observed; of rejected points what it would take
-  double y_parallax = 0;  ///< by how much the rays miss each other, across the base at image scale (for a base along
-                          ///< +-x y2 - y1 of photographs, y up)
+  double y_parallax = 0;    ///< by how much the rays miss each other, across the base at image scale (for a base along
+                            ///< +-x y2 - y1 of photographs, y up)
   double redundancy = 0;    ///< share of an error that shows in the residual; of rejected points 1
   double standardised = 0;  ///< the residual over its standard deviation by the sigmas as given; all four are alike
   double largest = 0;       ///< the longer residual of the two images over the sigma of its coordinates
@@ -102,6 +102,14 @@ struct RelativeOrientation {
 [[nodiscard]] Result<RelativeOrientation> relative_orientation(std::span<const PairPoint> points,
                                                                const RelativeOptions& options, std::uint64_t seed,
                                                                const std::optional<Rigid3>& given = {});
+
+/// The same of a motion that is given, with the covariance of changed(): nothing is estimated of it. Residuals are what
+/// each point takes to lie on its epipolar line, sigma0 is their scatter, tests and rejection are by it; every point
+/// has the redundancy 1. `covariance` becomes what is stated. Errors: fewer than five points, sigmas that are not
+/// positive.
+[[nodiscard]] Result<RelativeOrientation> given_orientation(std::span<const PairPoint> points,
+                                                            const Rigid3& second_from_first, const Matrix5& covariance,
+                                                            const RelativeOptions& options);
 
 /// One of the four motions with the same coplanarity: the second camera turned by half a turn about the base, and the
 /// base the other way round (Mussio 3.1.4).

@@ -15,6 +15,7 @@
 #include "collinea/geometry/plane_similarity.h"
 #include "collinea/geometry/rotation_angles.h"
 #include "collinea/io/text.h"
+#include "collinea/jobs/internal/control_fit.h"
 #include "collinea/jobs/internal/ground_table.h"
 
 namespace collinea {
@@ -112,22 +113,24 @@ Result<GroundTable> read_ground(const std::filesystem::path& path, const OrientA
   return ground;
 }
 
-// What both tables have, and what becomes of it.
+// What both tables have.
 struct Control {
   ModelTable model;
   GroundTable ground;
-  std::vector<std::size_t> common;     // indices of the model
-  std::vector<AbsoluteControl> pairs;  // of them
-  std::vector<bool> is_check, is_rejected;
-  bool sigmas_are_stated = false;
-
-  [[nodiscard]] std::vector<std::size_t> used() const {
-    std::vector<std::size_t> out;
-    for (std::size_t k = 0; k < pairs.size(); ++k)
-      if (!is_check[k] && !is_rejected[k]) out.push_back(k);
-    return out;
-  }
+  std::vector<std::size_t> common;  // indices of the model
+  ControlFit fit;                   // of them
 };
+
+// The part of a covariance of all points of the model that belongs to some of them.
+MatrixXd part_of(const MatrixXd& full, const std::vector<std::size_t>& points) {
+  const auto size = static_cast<Eigen::Index>(3 * points.size());
+  MatrixXd part(size, size);
+  for (std::size_t a = 0; a < points.size(); ++a)
+    for (std::size_t b = 0; b < points.size(); ++b)
+      part.block<3, 3>(Eigen::Index(3 * a), Eigen::Index(3 * b)) =
+          full.block<3, 3>(Eigen::Index(3 * points[a]), Eigen::Index(3 * points[b]));
+  return part;
+}
 
 Result<Control> read_control(const std::filesystem::path& model, const std::filesystem::path& ground,
                              const OrientAbsoluteOptions& options) {
@@ -138,7 +141,7 @@ Result<Control> read_control(const std::filesystem::path& model, const std::file
     control.model.states_sigmas = true;
   }
   COLLINEA_TRY(control.ground, read_ground(ground, options));
-  control.sigmas_are_stated = control.model.states_sigmas || control.ground.states_sigmas;
+  control.fit.sigmas_are_stated = control.model.states_sigmas || control.ground.states_sigmas;
   std::set<std::string> checks;
   for (const std::string_view name : fields_of(options.check, ','))
     if (!name.empty()) checks.insert(std::string(name));
@@ -149,15 +152,17 @@ Result<Control> read_control(const std::filesystem::path& model, const std::file
                          found->has_plan(),       found->has_height()};
     if (control.model.full)
       pair.model_covariance = control.model.full->block<3, 3>(Eigen::Index(3 * i), Eigen::Index(3 * i));
-    Vector3d sigma = control.sigmas_are_stated ? found->sigma : Vector3d::Constant(kAssumedGroundSigma_m);
+    Vector3d sigma = control.fit.sigmas_are_stated ? found->sigma : Vector3d::Constant(kAssumedGroundSigma_m);
     for (int axis = 0; axis < 3; ++axis)
       if (!std::isfinite(found->position[axis])) sigma[axis] = 0;  // not looked at
     pair.ground_covariance = sigma.cwiseAbs2().asDiagonal();
     control.common.push_back(i);
-    control.pairs.push_back(pair);
-    control.is_check.push_back(checks.erase(control.model.names[i]) > 0);
+    control.fit.names.push_back(control.model.names[i]);
+    control.fit.pairs.push_back(pair);
+    control.fit.is_check.push_back(checks.erase(control.model.names[i]) > 0);
   }
-  control.is_rejected.assign(control.pairs.size(), false);
+  if (control.model.full) control.fit.model_covariance = part_of(*control.model.full, control.common);
+  control.fit.is_rejected.assign(control.fit.pairs.size(), false);
   if (!checks.empty())
     return fail(Errc::kBadInput, fmt::format("check point {} is not in both tables", *checks.begin()),
                 {"check"_option});
@@ -166,131 +171,43 @@ Result<Control> read_control(const std::filesystem::path& model, const std::file
   return control;
 }
 
-std::vector<AbsoluteControl> pairs_of(const Control& control, const std::vector<std::size_t>& used) {
-  std::vector<AbsoluteControl> pairs;
-  for (const std::size_t k : used) pairs.push_back(control.pairs[k]);
-  return pairs;
-}
-
-Result<AbsoluteOrientation> fitted(const Control& control, const std::vector<std::size_t>& used) {
-  const std::vector<AbsoluteControl> pairs = pairs_of(control, used);
-  if (!control.model.full) return absolute_orientation(pairs);
-  const auto size = static_cast<Eigen::Index>(3 * used.size());
-  MatrixXd part(size, size);
-  for (std::size_t a = 0; a < used.size(); ++a)
-    for (std::size_t b = 0; b < used.size(); ++b)
-      part.block<3, 3>(Eigen::Index(3 * a), Eigen::Index(3 * b)) = control.model.full->block<3, 3>(
-          Eigen::Index(3 * control.common[used[a]]), Eigen::Index(3 * control.common[used[b]]));
-  return absolute_orientation(pairs, {.start = {}, .model_covariance = &part});
-}
-
-// Least squares, and again without the worst as long as its test is beyond the limit and enough is left.
-Result<AbsoluteOrientation> fitted_with_rejection(Control& control, const OrientAbsoluteOptions& options) {
-  while (true) {
-    const std::vector<std::size_t> used = control.used();
-    COLLINEA_TRY(const AbsoluteOrientation found, fitted(control, used));
-    const VarianceTest variance{found.sigma0, found.redundancy, control.sigmas_are_stated, options.alpha};
-    if (!options.reject || found.redundancy <= 1) return found;
-    std::size_t worst = 0;
-    double largest = 0;
-    for (std::size_t k = 0; k < used.size(); ++k)
-      if (const double w = found.residuals[k].w.cwiseAbs().maxCoeff() / variance.factor(); w > largest) {
-        largest = w;
-        worst = used[k];
-      }
-    if (!(largest > variance.limit())) return found;
-    control.is_rejected[worst] = true;
-    if (!fitted(control, control.used())) {  // not enough is left without it
-      control.is_rejected[worst] = false;
-      return found;
-    }
-  }
-}
-
-std::vector<Estimate> estimates_of(const AbsoluteParameters& p, double factor, bool with_sigmas) {
-  const auto sigma = [&](int i, double unit) {
-    return with_sigmas ? std::optional(factor * unit * std::sqrt(p.covariance(i, i))) : std::nullopt;
-  };
-  return {{"X0", "m", p.origin_on_ground.x(), sigma(0, 1)},
-          {"Y0", "m", p.origin_on_ground.y(), sigma(1, 1)},
-          {"Z0", "m", p.origin_on_ground.z(), sigma(2, 1)},
-          {"omega", "deg", p.omega_rad * kDegrees, sigma(3, kDegrees)},
-          {"phi", "deg", p.phi_rad * kDegrees, sigma(4, kDegrees)},
-          {"kappa", "deg", p.kappa_rad * kDegrees, sigma(5, kDegrees)},
-          {"scale", "", p.scale, sigma(6, 1)}};
-}
-
 AbsoluteReport report_of(const Control& control, const AbsoluteOrientation& found, const VarianceTest& variance,
                          bool is_rigorous) {
-  AbsoluteReport report;
-  report.is_rigorous = is_rigorous;
-  report.variance = variance;
-  report.solutions = found.solutions;
-  const double factor = variance.factor();
-  const AbsoluteParameters parameters = parameters_of(found);
-  report.parameters = estimates_of(parameters, factor, is_rigorous);
-  if (is_rigorous) report.covariance = parameters.covariance;
-  std::size_t next = 0;
-  for (std::size_t k = 0; k < control.pairs.size(); ++k) {
-    const AbsoluteControl& pair = control.pairs[k];
-    AbsoluteReport::Point point{control.model.names[control.common[k]],
-                                Vector3d::Zero(),
-                                Vector3d::Zero(),
-                                Vector3d::Zero(),
-                                Vector3d::Zero(),
-                                pair.has_plan,
-                                pair.has_height,
-                                control.is_check[k],
-                                control.is_rejected[k]};
-    if (point.is_check || point.is_rejected || !is_rigorous) {
-      const GroundPoint at = on_ground(found, pair.in_model, pair.model_covariance);
-      point.misfit = pair.in_ground - at.position;
-      point.sigma = factor * (at.covariance + pair.ground_covariance).diagonal().cwiseSqrt();
-      if (is_rigorous) point.w = point.misfit.cwiseQuotient(point.sigma);
-    } else {
-      const ControlResidual& residual = found.residuals[next++];
-      point.misfit = residual.misfit;
-      point.sigma = factor * residual.sigma;
-      point.redundancy = residual.redundancy;
-      point.w = residual.w / factor;
-    }
-    if (!point.is_check && !point.is_rejected)
-      ++(pair.is_full() ? report.full : pair.has_plan ? report.plan : report.height);
-    report.points.push_back(std::move(point));
-  }
+  AbsoluteReport report = control_report(control.fit, found, variance, is_rigorous);
   for (std::size_t i = 0; i < control.model.names.size(); ++i) {
     const Matrix3d own = control.model.full
                              ? Matrix3d(control.model.full->block<3, 3>(Eigen::Index(3 * i), Eigen::Index(3 * i)))
                              : control.model.covariances[i];
     const GroundPoint at = on_ground(found, control.model.points[i], own);
-    report.ground.push_back({control.model.names[i], at.position, factor * at.covariance.diagonal().cwiseSqrt()});
+    report.ground.push_back(
+        {control.model.names[i], at.position, variance.factor() * at.covariance.diagonal().cwiseSqrt()});
   }
   return report;
 }
 
 Result<AbsoluteReport> by_least_squares(Control& control, const OrientAbsoluteOptions& options) {
   if (options.least_median) {
-    const std::vector<std::size_t> used = control.used();
-    const auto wrong = contradicting_control(pairs_of(control, used), options.seed);
+    const std::vector<std::size_t> used = control.fit.used();
+    const auto wrong = contradicting_control(control.fit.used_pairs(), options.seed);
     if (!wrong)
       return fail(Errc::kIllPosed,
                   "the least median of squares needs four full points, of which those that agree are not on a line",
                   {"least_median"_option});
-    for (const std::size_t k : *wrong) control.is_rejected[used[k]] = true;
+    for (const std::size_t k : *wrong) control.fit.is_rejected[used[k]] = true;
   }
-  COLLINEA_TRY(const AbsoluteOrientation found, fitted_with_rejection(control, options));
+  COLLINEA_TRY(const AbsoluteOrientation found, fitted_with_rejection(control.fit, options.reject, options.alpha));
   AbsoluteReport report =
-      report_of(control, found, {found.sigma0, found.redundancy, control.sigmas_are_stated, options.alpha}, true);
+      report_of(control, found, {found.sigma0, found.redundancy, control.fit.sigmas_are_stated, options.alpha}, true);
   report.iterations = found.iterations;
   return report;
 }
 
 Result<AbsoluteReport> in_closed_form(const Control& control, const OrientAbsoluteOptions& options) {
   std::vector<Vector3d> model, ground;
-  for (const std::size_t k : control.used())
-    if (control.pairs[k].is_full()) {
-      model.push_back(control.pairs[k].in_model);
-      ground.push_back(control.pairs[k].in_ground);
+  for (const std::size_t k : control.fit.used())
+    if (control.fit.pairs[k].is_full()) {
+      model.push_back(control.fit.pairs[k].in_model);
+      ground.push_back(control.fit.pairs[k].in_ground);
     }
   std::optional<Similarity3> found;
   if (options.method == AbsoluteMethod::kUmeyama) found = align(model, ground);
@@ -320,8 +237,8 @@ std::vector<Estimate> estimates_of(const PlaneSimilarity& p, double factor, cons
 Result<AbsoluteReport> in_plane(const Control& control, const OrientAbsoluteOptions& options) {
   std::vector<PlanePair> pairs;
   std::vector<std::size_t> used;
-  for (const std::size_t k : control.used()) {
-    const AbsoluteControl& pair = control.pairs[k];
+  for (const std::size_t k : control.fit.used()) {
+    const AbsoluteControl& pair = control.fit.pairs[k];
     if (!pair.has_plan) continue;
     pairs.push_back({pair.in_model.head<2>(), pair.in_ground.head<2>(), pair.model_covariance.topLeftCorner<2, 2>(),
                      pair.ground_covariance.topLeftCorner<2, 2>()});
@@ -333,15 +250,15 @@ Result<AbsoluteReport> in_plane(const Control& control, const OrientAbsoluteOpti
                 "a plane similarity needs two points apart that are known in plan, with sigmas above 0");
   AbsoluteReport report;
   report.is_plane = report.is_rigorous = true;
-  report.variance = {fit->sigma0, fit->redundancy, control.sigmas_are_stated, options.alpha};
+  report.variance = {fit->sigma0, fit->redundancy, control.fit.sigmas_are_stated, options.alpha};
   const double factor = report.variance.factor();
   report.parameters = estimates_of(fit->b_from_a, factor, "X0", "Y0");
   report.inverse_parameters = estimates_of(inverse(fit->b_from_a), factor, "U0", "V0");
   report.covariance = fit->b_from_a.covariance;
   report.full = static_cast<int>(pairs.size());
   const auto lifted = [](const Eigen::Vector2d& v) { return Vector3d(v.x(), v.y(), 0); };
-  for (std::size_t k = 0; k < control.pairs.size(); ++k) {
-    const AbsoluteControl& pair = control.pairs[k];
+  for (std::size_t k = 0; k < control.fit.pairs.size(); ++k) {
+    const AbsoluteControl& pair = control.fit.pairs[k];
     AbsoluteReport::Point point{control.model.names[control.common[k]],
                                 Vector3d::Zero(),
                                 Vector3d::Zero(),
@@ -349,7 +266,7 @@ Result<AbsoluteReport> in_plane(const Control& control, const OrientAbsoluteOpti
                                 Vector3d::Zero(),
                                 pair.has_plan,
                                 false,
-                                control.is_check[k],
+                                control.fit.is_check[k],
                                 false};
     point.misfit = lifted(pair.in_ground.head<2>() - fit->b_from_a * pair.in_model.head<2>());
     const auto found = std::find(used.begin(), used.end(), k);

@@ -25,7 +25,7 @@ struct EvaluateOptions {
   static void describe(Visit&& visit) {
     using O = EvaluateOptions;
     visit(Field{"coregistration", &O::coregistration, "",
-                "taken off before the comparison: none | shift (east, north, up) | similarity (turns and scale too)"});
+                "taken off before the comparison"});
     visit(Field{"tolerance_m", &O::tolerance_m, "m",
                 "sigma of a difference, whose multiples the table counts; nothing: from the next four, else the robust "
                 "standard deviation of the differences",

@@ -3,14 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
-#include <array>
 #include <cmath>
 #include <map>
 
 #include "collinea/epipolar/oriented_intersection.h"
+#include "collinea/jobs/internal/exterior_table.h"
 #include "collinea/jobs/internal/ground_table.h"
-#include "collinea/jobs/internal/pose_estimates.h"
 #include "collinea/jobs/internal/refine_points.h"
 
 namespace collinea {
@@ -18,51 +16,13 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-
-struct Orientation {
-  Rigid3 cam_from_world;
-  Eigen::Matrix<double, 6, 6> covariance;
-};
-
-Result<std::map<std::string, Orientation>> read_orientations(const std::filesystem::path& path, bool& has_sigmas) {
-  const auto in_file = [&](Error e) { return std::move(e).within(path.string()); };
-  COLLINEA_TRY(const TextTable table, read_text_table(path));
-  COLLINEA_TRY(const auto names, table.words("image").map_error(in_file));
-  constexpr std::array<const char*, 6> kNames{"X", "Y", "Z", "omega", "phi", "kappa"};
-  std::vector<Vector6> values(names.size()), sigmas(names.size());
-  for (std::size_t k = 0; k < 6; ++k) {
-    const std::string_view unit = k < 3 ? "m" : "deg";
-    COLLINEA_TRY(const auto column, table.numbers(kNames[k], unit).map_error(in_file));
-    const std::string sigma_name = std::string("sigma_") + kNames[k];
-    has_sigmas |= table.has(sigma_name);
-    COLLINEA_TRY(const auto sigma, table.numbers_or(sigma_name, unit, 0).map_error(in_file));
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      values[i][Eigen::Index(k)] = column[i];
-      sigmas[i][Eigen::Index(k)] = sigma[i];
-    }
-  }
-  std::map<std::string, Orientation> out;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const Vector6& v = values[i];
-    Orientation one;
-    one.cam_from_world.rotation = cam_from_world({v[3], v[4], v[5]});
-    one.cam_from_world.translation = -(one.cam_from_world.rotation * v.head<3>());
-    one.covariance = covariance_of_pose(one.cam_from_world, sigmas[i].cwiseAbs2().asDiagonal());
-    if (!one.covariance.allFinite()) one.covariance.setZero();
-    if (!out.emplace(names[i], one).second)
-      return fail(Errc::kBadFormat, fmt::format("{}: image {} is there twice", path.string(), names[i]));
-  }
-  return out;
-}
-
 struct Rays {
   std::vector<std::string> names;  // of points, in order of appearance
   std::map<std::string, std::vector<std::pair<std::string, UncertainSightLine>>> of;
 };
 
 Result<Rays> read_rays(const TextTable& table, const PhotoFrame& frame, double sigma,
-                       const std::map<std::string, Orientation>& orientations) {
+                       const std::map<std::string, UncertainPose>& orientations) {
   COLLINEA_TRY(const auto images, table.words("image"));
   COLLINEA_TRY(const auto points, table.words("point"));
   COLLINEA_TRY(const auto x, table.numbers("x", frame.unit()));
@@ -127,7 +87,7 @@ void settle(IntersectionReport& report) {
 }
 
 Result<> match_points(IntersectionReport& report, const Rays& rays, const PhotoFrame& frame,
-                      const std::map<std::string, Orientation>& orientations, const IntersectTableOptions& options,
+                      const std::map<std::string, UncertainPose>& orientations, const IntersectTableOptions& options,
                       const Run& run) {
   if (frame.y_up)
     return fail(Errc::kBadInput, "points are matched in the pixels of image files: give measurements in px",
@@ -166,7 +126,9 @@ Result<IntersectionReport> intersect_from_tables(const std::filesystem::path& me
   COLLINEA_TRY(const TextTable table, read_text_table(measurements));
   COLLINEA_TRY(const PhotoFrame frame, photo_frame(options.photo, table.unit_of("x")).map_error(in_file));
   IntersectionReport report;
-  COLLINEA_TRY(const auto orientations, read_orientations(orientation, report.orientations_have_sigmas));
+  COLLINEA_TRY(const ExteriorTable exterior, read_exterior_table(orientation));
+  const std::map<std::string, UncertainPose>& orientations = exterior.images;
+  report.orientations_have_sigmas = exterior.has_sigmas;
   report.unit = frame.unit();
   report.variance.alpha = options.alpha;
   report.variance.sigmas_are_stated =

@@ -5,17 +5,19 @@
 #include <cmath>
 
 #include "collinea/base/file.h"
-#include "collinea/base/file_text.h"
 #include "collinea/base/memory.h"
 #include "collinea/base/parallel.h"
 #include "collinea/dense/working_images.h"
-#include "collinea/io/text.h"
+#include "collinea/jobs/internal/given_pair.h"
 #include "collinea/jobs/internal/out_folder.h"
+#include "collinea/jobs/internal/pair_area.h"
 #include "collinea/jobs/internal/pair_control.h"
+#include "collinea/jobs/internal/pair_exterior.h"
 #include "collinea/jobs/internal/pair_findings.h"
 #include "collinea/jobs/internal/pair_map.h"
 #include "collinea/jobs/internal/pair_orientation.h"
 #include "collinea/jobs/internal/pair_surface.h"
+#include "collinea/jobs/result_tables.h"
 #include "collinea/raster/image_file.h"
 
 namespace collinea {
@@ -25,26 +27,6 @@ namespace fs = std::filesystem;
 
 constexpr int kLineEvery = 12;  // part of the rows between two lines of the check
 constexpr int kCheckWidth_px = 2000;
-constexpr FileText kPointsRemark =
-    "homologous points; coordinates of the image files; y-parallax left by the relative orientation";
-
-TextTable point_table(const ModelOfPair& model) {
-  const double shrink = model.shrink;
-  TextTable table;
-  table.remarks = {std::string(kPointsRemark)};
-  table.columns = {{"point", ""},     {"x_left", "px"},     {"y_left", "px"}, {"x_right", "px"},
-                   {"y_right", "px"}, {"y_parallax", "px"}, {"ncc", "1"}};
-  std::size_t next = 0;
-  for (const PairResidual& residual : model.orientation.residuals) {
-    if (!residual.used) continue;
-    const MatchedPoint& point = model.points[next++];
-    table.rows.push_back({std::to_string(next), fixed(point.left_px.x() * shrink, 3),
-                          fixed(point.left_px.y() * shrink, 3), fixed(point.right_px.x() * shrink, 3),
-                          fixed(point.right_px.y() * shrink, 3), fixed(residual.y_parallax, 3), fixed(point.ncc, 3)});
-  }
-  return table;
-}
-
 // The left epipolar image above the right one's rows: side by side with lines through both.
 ColourImage check_of(const EpipolarImages& images) {
   const int step = std::max((images.left.width + images.right.width) / kCheckWidth_px, 1);
@@ -98,12 +80,13 @@ double rms_row_px(const std::vector<LevelPoint>& points) {
 
 PairReport report_of(const PairFiles& pair, int shrink, const PairChainOptions& options) {
   const Camera left = shrunk(pair.cameras[0], shrink);
-  PairReport report{.left_width_px = left.width_px,
+  PairReport report{.files = pair.files,
+                    .cameras = pair.cameras,
+                    .left_width_px = left.width_px,
                     .left_height_px = left.height_px,
                     .shrink = shrink,
                     .resampling = options.resampling,
-                    .surface = options.surface,
-                    .has_base = options.base_m.has_value()};
+                    .surface = options.surface};
   if (pair.film) report.pixel_um = 1e3 * pair.film->ideal.pixel_mm * shrink;
   if (pair.film)
     for (const ScanOrientation* scan : {&pair.film->left, &pair.film->right})
@@ -111,43 +94,97 @@ PairReport report_of(const PairFiles& pair, int shrink, const PairChainOptions& 
   return report;
 }
 
+// The pair on the ground: by the orientation as given, or by what control there is.
+struct OnGround {
+  std::optional<PairControl> control;
+  PairOrientationSigma sigma;
+};
+
+Result<OnGround> orient_on_ground(const PairFiles& pair, const ModelOfPair& model,
+                                  const std::optional<GivenPair>& given, const PairChainOptions& options,
+                                  PairReport& report) {
+  if (given && given->is_metric) {
+    report.absolute = given->ground_from_model();
+    report.exterior = pair_exterior(given->poses, pair, true);
+    COLLINEA_TRY(PairOrientationSigma sigma, PairOrientationSigma::of(model, given->poses));
+    return OnGround{{}, std::move(sigma)};
+  }
+  std::optional<PairControl> control;
+  if (options.control) {
+    COLLINEA_TRY(control, read_pair_control(*options.control, pair, model.shrink, options.control_sigma_px));
+    COLLINEA_TRY(report.absolute, oriented_with_rejection(*control, model, model.right_from_left(),
+                                                          options.reject_control, options.control_alpha));
+    report.control_names = control->used_names();
+    COLLINEA_TRY(report.control, pair_control_report(*control, model, *report.absolute, options.control_alpha));
+  }
+  COLLINEA_TRY(const auto poses, exterior_poses(model, control, report.absolute));
+  report.exterior = pair_exterior(poses, pair, report.is_metric());
+  COLLINEA_TRY(PairOrientationSigma sigma, PairOrientationSigma::of(model, control, report.absolute));
+  return OnGround{std::move(control), std::move(sigma)};
+}
+
+// Options that would not be looked at.
+Result<> check(const PairChainOptions& options) {
+  COLLINEA_TRY(validate(options));
+  if (options.surface == PairSurface::kDense && options.levels != LevelOptions{})
+    return fail(Errc::kBadInput, "options of the levels say nothing of the dense surface", {"surface"_option});
+  if (options.reject_control && !options.control)
+    return fail(Errc::kBadInput, "there is no control to be rejected", {"reject_control"_option, "control"_option});
+  if (options.exterior &&
+      (options.relative.start != RelativeOptions{}.start || options.relative.weights != RelativeOptions{}.weights))
+    return fail(Errc::kBadInput, "nothing is estimated of an orientation that is given",
+                {"exterior"_option, "start"_option, "weights"_option});
+  return {};
+}
+
+Result<> write_tables(const PairReport& report, const fs::path& folder) {
+  COLLINEA_TRY(write_result_tables(pair_tables(report), folder));
+  return write_file(folder / "relative_geometry.svg", pair_shape_svg(*report.relative));
+}
+
 }  // namespace
 
 Result<PairReport> orient_and_match(const fs::path& left, const fs::path& right, const fs::path& folder,
                                     const PairChainOptions& options, const Run& run) {
-  COLLINEA_TRY(validate(options));
-  if (options.surface == PairSurface::kDense && options.levels != LevelOptions{})
-    return fail(Errc::kBadInput, "options of the levels say nothing of the dense surface", {"surface"_option});
+  COLLINEA_TRY(check(options));
   COLLINEA_TRY(make_out_folder(folder));
+  std::optional<GivenPair> given;
+  if (options.exterior) {
+    COLLINEA_TRY(given, read_given_pair(left, right, options));
+  }
   COLLINEA_TRY(const PairFiles pair, open_pair(left, right, folder, options, run));
-  COLLINEA_TRY(const PairShrinks shrinks, shrinks_of(pair, options));
+  COLLINEA_TRY(const std::optional<PairArea> area, area_of(options, pair.cameras[0]));
+  COLLINEA_TRY(const PairShrinks shrinks,
+               shrinks_of(pair, options, area ? std::optional(area->pixels()) : std::nullopt));
   PairReport report = report_of(pair, shrinks.surface, options);
-  COLLINEA_TRY(OrientedPair found, orient_pair(pair, shrinks, options, report, run));
-  COLLINEA_TRY(const ModelOfPair model,
-               model_of(found, report.orientations.back().orientation, options.base_m.value_or(1)));
+  report.is_given = given.has_value();
+  report.has_base = options.base_m || (given && given->is_metric);
+  COLLINEA_TRY(OrientedPair found, orient_pair(pair, shrinks, options, report, run, given));
+  const double base = given ? given->base : options.base_m.value_or(1);
+  COLLINEA_TRY(ModelOfPair model, model_of(found, report.orientations.back().orientation, base));
+  if (area) {
+    COLLINEA_TRY(model, cropped_to(*area, std::move(model)));
+  }
   report.epipolar = model.epipolar;
   report.y_parallax_rms_px = rms_row_px(model.in_epipolar);
-  std::optional<PairControl> control;
-  if (options.control) {
-    COLLINEA_TRY(control, read_pair_control(*options.control, pair, model.shrink, options.control_sigma_px));
-    report.control_names = control->names;
-    COLLINEA_TRY(report.absolute, oriented_absolutely(*control, model, model.right_from_left()));
-  }
-  COLLINEA_TRY(const PairOrientationSigma by_orientation, PairOrientationSigma::of(model, control, report.absolute));
-  COLLINEA_TRY(write_file(folder / "points.txt", text_of(point_table(model))));
+  report.relative = relative_report_of(report.orientations.back(), pair, options.relative,
+                                       report.has_base ? std::optional(base) : std::nullopt, report.is_given);
+  COLLINEA_TRY(const OnGround ground, orient_on_ground(pair, model, given, options, report));
+  COLLINEA_TRY(write_tables(report, folder));
   EpipolarImages epipolar = epipolar_images(std::move(found.images), model, options.resampling, run);
   if (run.stopped()) return fail(Errc::kCancelled, "stopped");
   COLLINEA_TRY(write_epipolar(epipolar, folder, run));
   COLLINEA_TRY(const PairCloudSummary cloud,
-               write_surface(std::move(epipolar), pair, model, by_orientation, options, folder, report, run));
+               write_surface(std::move(epipolar), pair, model, ground.sigma, options, folder, report, run));
   give_back_freed_memory();
   report.surface_points = cloud.points;
   report.median_sigma_px = cloud.median_sigma_px;
   report.median_sigma_z = cloud.median_sigma_z;
   COLLINEA_TRY(report.map, map_of(pair, model, report, cloud, options.cell_m, folder, run));
-  report.findings = pair_findings(model, report, control ? control->left_px() : std::vector<Eigen::Vector2d>{},
-                                  options.wanted_sigma_z_m);
-  COLLINEA_TRY(write_file(folder / "pair.txt", pair_text(report)));
+  report.findings =
+      pair_findings(model, report, ground.control ? ground.control->used_left_px() : std::vector<Eigen::Vector2d>{},
+                    options.wanted_sigma_z_m);
+  COLLINEA_TRY(write_pair_report(report, folder));
   return report;
 }
 

@@ -14,6 +14,8 @@
 #include "collinea/jobs/evaluate.h"
 #include "collinea/jobs/grid_points.h"
 #include "collinea/jobs/internal/pair_orientation.h"
+#include "collinea/jobs/internal/village_pair_for_tests.h"
+#include "collinea/jobs/intersection.h"
 #include "collinea/math/median.h"
 #include "collinea/math/random.h"
 #include "collinea/raster/geotiff.h"
@@ -24,70 +26,69 @@
 namespace collinea {
 namespace {
 
-constexpr double kFocal_px = 600;
+using testing::kVillageFocal_px;
+using testing::VillagePair;
 
-// Two images of a made-up village by a camera without distortion, with the truth.
-struct VillagePair {
-  TestFolder folder;
-  Block truth;
-  std::optional<Scene> scene;
-  std::filesystem::path left, right;
-
-  struct Lens {
-    double k1 = 0;
-  };
-
-  VillagePair() : VillagePair(Lens{}) {}
-  explicit VillagePair(const Lens& lens) {
-    SurveyOptions options;
-    options.strips = 1;
-    options.images_per_strip = 2;
-    options.cross_strips = 0;
-    options.forward_overlap = 0.65;
-    options.gsd_m = 0.1;
-    options.camera.width_px = 800;
-    options.camera.height_px = 600;
-    options.camera.focal_px = kFocal_px;
-    options.camera.k1 = lens.k1;
-    options.camera.k2 = options.camera.k3 = options.camera.p1 = options.camera.p2 = 0;
-    options.camera.principal_x_px = options.camera.principal_y_px = 0;
-    const auto survey = make_survey(options);
-    EXPECT_TRUE(survey);
-    truth = survey->block;
-    scene = survey->scene;
-    std::filesystem::create_directories(folder / "images");
-    EXPECT_TRUE(write_images(*survey, folder / "images", {.threads = 2}));
-    auto image = truth.images.begin();
-    left = folder / "images" / image->second.file;
-    right = folder / "images" / (++image)->second.file;
+// Every point with its test, and none that was kept beyond the limit; parallaxes are those of the orientation.
+void expect_points_with_tests(const PairReport& report, const std::filesystem::path& folder) {
+  const auto points = read_text_table(folder / "points.txt");
+  ASSERT_TRUE(points);
+  const PairOrientation& last = report.orientations.back();
+  ASSERT_EQ(points->rows.size(), last.points);
+  const auto parallax = *points->numbers("y_parallax", "px"), test = *points->numbers("test", "1"),
+             sigma = *points->numbers("sigma", "px");
+  const auto used = *points->words("used");
+  double squares = 0;
+  std::size_t rejected = 0;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    EXPECT_GT(sigma[i], 0);
+    if (used[i] == "no") {
+      ++rejected;  // its test is that of the end: points that were rejected after it have changed it
+      continue;
+    }
+    EXPECT_LE(std::abs(test[i]), last.orientation.limit + 0.01);
+    squares += parallax[i] * parallax[i];
   }
+  EXPECT_EQ(rejected, last.rejected);
+  // Of epipolar images the same parallax is a difference of rows.
+  EXPECT_NEAR(std::sqrt(squares / double(last.orientation.used)), report.y_parallax_rms_px,
+              0.1 * report.y_parallax_rms_px);
+  const auto all = read_text_table(folder / "rejected.txt");
+  ASSERT_TRUE(all);
+  std::size_t sum = 0;
+  for (const PairOrientation& of : report.orientations) sum += of.rejected;
+  EXPECT_EQ(all->rows.size(), sum);
+}
 
-  [[nodiscard]] Rigid3 pose(int i) const { return pose_of(truth, std::next(truth.images.begin(), i)->first); }
-  [[nodiscard]] Rigid3 right_from_left() const { return pose(1) * inverse(pose(0)); }
-
-  // Points in the air and on the ground that both cameras see, as control with exact measurements.
-  [[nodiscard]] std::string control_table() const {
-    std::string text =
-        "point X[m] Y[m] Z[m] sigma_X[m] sigma_Y[m] sigma_Z[m] x_left[px] y_left[px] x_right[px] y_right[px]\n";
-    const Camera& camera = truth.cameras.begin()->second;
-    const Eigen::Vector3d middle = (centre_of(pose(0)) + centre_of(pose(1))) / 2;
-    int n = 0;
-    for (int y = -2; y <= 2; ++y)
-      for (int x = -1; x <= 1; ++x) {
-        const Eigen::Vector3d at(middle.x() + 9 * x, middle.y() + 9 * y, (n * 7) % 5);
-        const auto a = project(camera, pose(0) * at), b = project(camera, pose(1) * at);
-        if (!a || !b) continue;
-        text += fmt::format("P{} {} {} {} 0.01 0.01 0.01 {} {} {} {}\n", ++n, at.x(), at.y(), at.z(), a->x(), a->y(),
-                            b->x(), b->y());
-      }
-    return text;
+// The control by the exterior orientations that the pair wrote: its measurements and coordinates are exact.
+void expect_intersection_goes_on(const VillagePair& village) {
+  const auto control = read_text_table(village.folder / "control.txt");
+  ASSERT_TRUE(control);
+  std::string marks = "image point x[px] y[px] sigma[px]\n";
+  for (const auto& row : control->rows) {
+    marks += fmt::format("{} {} {} {} 0.01\n", village.left.filename().string(), row[0], row[7], row[8]);
+    marks += fmt::format("{} {} {} {} 0.01\n", village.right.filename().string(), row[0], row[9], row[10]);
   }
-};
+  ASSERT_TRUE(write_file(village.folder / "marks.txt", marks));
+  IntersectTableOptions options;
+  options.photo.principal_distance = kVillageFocal_px;
+  options.photo.principal_point = "400,300";
+  options.ground = village.folder / "control.txt";
+  const auto found =
+      intersect_from_tables(village.folder / "marks.txt", village.folder / "pair/exterior.txt", options, {});
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_TRUE(found->orientations_have_sigmas);
+  ASSERT_EQ(found->points.size(), control->rows.size());
+  for (const auto& point : found->points) {
+    ASSERT_TRUE(point.is_found && point.has_ground) << point.name;
+    for (int axis = 0; axis < 3; ++axis) EXPECT_LT(std::abs(point.off_ground[axis]), 4 * point.sigma[axis]);
+  }
+}
 
 TEST(Pair, TwoImagesOfAVillageBecomeItsSurface) {
   const VillagePair village;
   PairChainOptions options;
-  options.principal_distance_px = kFocal_px;
+  options.principal_distance_px = kVillageFocal_px;
   options.levels.levels = 4;
   options.levels.last_threshold = 300;
   options.levels.grid_px = 4;
@@ -113,14 +114,19 @@ TEST(Pair, TwoImagesOfAVillageBecomeItsSurface) {
   ASSERT_TRUE(report->absolute);
   EXPECT_NEAR(report->absolute->ground_from_model.scale, truth.translation.norm(), 0.002 * truth.translation.norm());
   EXPECT_GT(report->surface_points, 10'000u);
-  for (const char* file : {"pair.txt", "points.txt", "epipolar_left.png", "epipolar_right.png", "epipolar_check.png"})
+  for (const char* file :
+       {"pair.txt", "points.txt", "epipolar_left.png", "epipolar_right.png", "epipolar_check.png", "rejected.txt",
+        "relative_parameters.txt", "relative_correlations.txt", "relative_residuals.txt", "relative_geometry.svg",
+        "model.txt", "exterior.txt", "absolute_parameters.txt", "absolute_correlations.txt", "absolute_residuals.txt"})
     EXPECT_TRUE(is_there(village.folder / "pair" / file)) << file;
+  expect_points_with_tests(*report, village.folder / "pair");
+  expect_intersection_goes_on(village);
 }
 
 TEST(Pair, TheDenseSurfaceHasMorePointsOnTheSameOrientation) {
   const VillagePair village;
   PairChainOptions options;
-  options.principal_distance_px = kFocal_px;
+  options.principal_distance_px = kVillageFocal_px;
   options.surface = PairSurface::kDense;
   options.base_m = village.right_from_left().translation.norm();
   const auto report = orient_and_match(village.left, village.right, village.folder / "pair", options, {.threads = 2});
@@ -138,7 +144,7 @@ TEST(Pair, TheDenseSurfaceHasMorePointsOnTheSameOrientation) {
 TEST(Pair, OrientationOfLargeImagesBeginsOnSmallOnes) {
   const VillagePair village;
   PairChainOptions options;
-  options.principal_distance_px = kFocal_px;
+  options.principal_distance_px = kVillageFocal_px;
   const auto pair = open_pair(village.left, village.right, village.folder / "pair", options, {});
   ASSERT_TRUE(pair) << pair.error().message;
   PairReport report;
@@ -166,7 +172,7 @@ TEST(Pair, OrientationOfLargeImagesBeginsOnSmallOnes) {
 TEST(Pair, SameBitsForAnyNumberOfThreads) {
   const VillagePair village;
   PairChainOptions options;
-  options.principal_distance_px = kFocal_px;
+  options.principal_distance_px = kVillageFocal_px;
   options.levels.levels = 3;
   options.base_m = 17;
   for (const PairSurface surface : {PairSurface::kLevels, PairSurface::kDense}) {
@@ -195,7 +201,7 @@ TEST(Pair, ALensComesFromACameraFile) {
   EXPECT_LT(angle_between(found.second_from_first.rotation, truth.rotation), 5e-4);
   EXPECT_LT(with->orientations.back().sigma0_px, 0.1);
   options.camera.reset();
-  options.principal_distance_px = kFocal_px;
+  options.principal_distance_px = kVillageFocal_px;
   const auto without = orient_and_match(village.left, village.right, village.folder / "pair", options, {.threads = 2});
   ASSERT_TRUE(without) << without.error().message;
   const auto angle = [&](const PairReport& report) {
@@ -211,7 +217,7 @@ TEST(Pair, ALensComesFromACameraFile) {
 TEST(Pair, EpipolarImagesAreResampledAsAsked) {
   const VillagePair village;
   PairChainOptions options;
-  options.principal_distance_px = kFocal_px;
+  options.principal_distance_px = kVillageFocal_px;
   options.levels.levels = 1;
   const auto cubic = village.folder / "cubic", linear = village.folder / "linear";
   ASSERT_TRUE(orient_and_match(village.left, village.right, cubic, options, {.threads = 2}));
@@ -235,7 +241,7 @@ TEST(Pair, EpipolarImagesAreResampledAsAsked) {
 TEST(Pair, NothingIsLeftBehindAfterAnError) {
   const VillagePair village;
   PairChainOptions options;
-  options.principal_distance_px = kFocal_px;
+  options.principal_distance_px = kVillageFocal_px;
   options.levels.levels = 3;
   options.base_m = 17;
   const auto folder = village.folder / "pair";
@@ -249,7 +255,7 @@ TEST(Pair, NothingIsLeftBehindAfterAnError) {
 TEST(Pair, ControlMakesItAMap) {
   const VillagePair village;
   PairChainOptions options;
-  options.principal_distance_px = kFocal_px;
+  options.principal_distance_px = kVillageFocal_px;
   options.surface = PairSurface::kDense;
   ASSERT_TRUE(write_file(village.folder / "control.txt", village.control_table()));
   options.control = village.folder / "control.txt";
@@ -338,7 +344,7 @@ TEST(Pair, SaysWhatIsMissingOrWrong) {
   const auto nothing = orient_and_match(village.left, village.right, village.folder / "pair", options, {});
   ASSERT_FALSE(nothing);
   EXPECT_NE(nothing.error().message.find("principal distance"), std::string::npos);
-  options.principal_distance_px = kFocal_px;
+  options.principal_distance_px = kVillageFocal_px;
   EXPECT_FALSE(orient_and_match(village.left, village.folder / "none.jpg", village.folder / "pair", options, {}));
   GreyImage noise(800, 600);
   Random random(4);
@@ -347,11 +353,21 @@ TEST(Pair, SaysWhatIsMissingOrWrong) {
   const auto other = orient_and_match(village.left, village.folder / "noise.png", village.folder / "pair", options, {});
   ASSERT_FALSE(other);
   EXPECT_NE(other.error().message.find("do not show the same"), std::string::npos);
+  options.reject_control = true;
+  const auto reject = orient_and_match(village.left, village.right, village.folder / "pair", options, {});
+  ASSERT_FALSE(reject);
+  EXPECT_EQ(reject.error().options.front().name, "reject_control");
+  options.reject_control = false;
   ASSERT_TRUE(write_file(village.folder / "control.txt", "point X[m] Y[m]\nA 1 2\n"));
   options.control = village.folder / "control.txt";
   const auto columns = orient_and_match(village.left, village.right, village.folder / "pair", options, {});
   ASSERT_FALSE(columns);
   EXPECT_NE(columns.error().message.find("x_left"), std::string::npos);
+  ASSERT_TRUE(write_file(village.folder / "control.txt",
+                         "point X[m] Y[m] Z[m] x_left y_left x_right y_right role\nA 1 2 3 4 5 6 7 cheque\n"));
+  const auto role = orient_and_match(village.left, village.right, village.folder / "pair", options, {});
+  ASSERT_FALSE(role);
+  EXPECT_NE(role.error().message.find("cheque"), std::string::npos);
 }
 
 // Points of a hillside to a raster, and that raster beside other points of it.

@@ -13,6 +13,7 @@
 namespace collinea {
 namespace {
 
+constexpr std::size_t kMostRejected = 20;  // printed: all are in rejected.txt
 constexpr double kDegree = std::numbers::pi / 180;
 
 std::string search_text(const PairReport& report) {
@@ -59,10 +60,14 @@ std::string map_text(const PairMap& map) {
       map.mean_sigma_relative_m);
 }
 
-std::string orientation_text(const PairOrientation& of, int shrink) {
+std::string orientation_head(const PairOrientation& of, int shrink, bool is_given) {
   const std::string where = of.shrink == shrink ? "" : fmt::format(" at 1/{} of the size", of.shrink);
-  std::string text = fmt::format("relative orientation by {}{}: {} points, {} rejected, sigma0 {:.3f} px\n", of.by,
-                                 where, of.points, of.rejected, of.sigma0_px);
+  return fmt::format("relative orientation {}by {}{}: {} points, {} rejected, sigma0 {:.3f} px\n",
+                     is_given ? "as given, points " : "", of.by, where, of.points, of.rejected, of.sigma0_px);
+}
+
+std::string orientation_text(const PairOrientation& of, int shrink, bool is_given) {
+  std::string text = orientation_head(of, shrink, is_given);
   const auto elements = dependent_elements(of.orientation.second_from_first);
   if (!elements) return text + "  the base lies across x: no elements of the dependent form\n";
   const Matrix5 by = dependent_by_change(of.orientation.second_from_first);
@@ -103,19 +108,25 @@ std::string surface_text(const PairReport& report) {
   return text;
 }
 
-std::string absolute_text(const PairReport& report) {
-  const AbsoluteOrientation& absolute = *report.absolute;
-  std::string text =
-      fmt::format("absolute orientation: {} points, redundancy {}, sigma0 {:.3f}, scale {:.6f} m a unit\n",
-                  absolute.residuals.size(), absolute.redundancy, absolute.sigma0, absolute.ground_from_model.scale);
-  text += fmt::format("  {:<12} {:>9} {:>9} {:>9} {:>7} {:>7} {:>7}\n", "point", "dX[m]", "dY[m]", "dZ[m]", "wX", "wY",
-                      "wZ");
-  for (std::size_t i = 0; i < absolute.residuals.size(); ++i) {
-    const ControlResidual& residual = absolute.residuals[i];
-    text += fmt::format("  {:<12} {:>9.4f} {:>9.4f} {:>9.4f} {:>7.2f} {:>7.2f} {:>7.2f}\n", report.control_names[i],
-                        residual.misfit.x(), residual.misfit.y(), residual.misfit.z(), residual.w.x(), residual.w.y(),
-                        residual.w.z());
+// The last one with all that is known of it, those before it in short.
+std::string relative_orientations_text(const PairReport& report) {
+  std::string text;
+  for (std::size_t i = 0; i < report.orientations.size(); ++i) {
+    const bool is_last = i + 1 == report.orientations.size();
+    text += is_last && report.relative ? orientation_head(report.orientations[i], report.shrink, report.is_given) +
+                                             relative_summary_text(*report.relative, kMostRejected)
+                                       : orientation_text(report.orientations[i], report.shrink, report.is_given);
   }
+  return text;
+}
+
+std::string exterior_text(const PairReport& report) {
+  std::string text;
+  for (const PairExterior& one : report.exterior)
+    if (!one.elements.empty())
+      text += fmt::format("exterior orientation of {} {}{}:\n", one.image, report.is_given ? "as given, " : "",
+                          report.absolute ? "on the ground" : "in the model (x right, y up, z backwards)") +
+              estimates_text(one.elements);
   return text;
 }
 
@@ -129,10 +140,11 @@ std::string pair_text(const PairReport& report) {
                         i == 0 ? "left" : "right", report.scans[i].marks, report.scans[i].misread,
                         report.scans[i].rms_um, report.scans[i].pixel_um);
   text += search_text(report);
-  for (const PairOrientation& orientation : report.orientations) text += orientation_text(orientation, report.shrink);
+  text += relative_orientations_text(report);
   text += epipolar_text(report);
   text += surface_text(report);
-  if (report.absolute) text += absolute_text(report);
+  if (report.control) text += absolute_text(*report.control);
+  text += exterior_text(report);
   if (report.map) text += map_text(*report.map);
   return text + findings_text(report.findings);
 }

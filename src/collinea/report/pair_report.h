@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +15,8 @@
 #include "collinea/geometry/absolute_orientation.h"
 #include "collinea/io/text_table.h"
 #include "collinea/match/pair_points.h"
+#include "collinea/report/absolute_report.h"
+#include "collinea/report/relative_report.h"
 
 namespace collinea {
 
@@ -29,13 +33,20 @@ struct PairOrientation {
   std::size_t points = 0, rejected = 0;
   RelativeOrientation orientation;
   double sigma0_px = 0;
-  int shrink = 1;  ///< of the images, against the files
+  int shrink = 1;                     ///< of the images, against the files
+  std::vector<MatchedPoint> matched;  ///< all points, in pixels of the images; as the residuals of the orientation
 };
 
 /// The interior orientation of a scan of film.
 struct PairScan {
   std::size_t marks = 0, misread = 0;
   double rms_um = 0, pixel_um = 0;  ///< of the residuals of marks on the film; size of a pixel
+};
+
+/// The exterior orientation of an image.
+struct PairExterior {
+  std::string image;
+  std::vector<Estimate> elements;  ///< X, Y, Z, omega, phi, kappa
 };
 
 /// Surface model and orthophoto.
@@ -49,11 +60,16 @@ struct PairMap {
 
 /// What was done with a pair, stage by stage.
 struct PairReport {
-  int left_width_px = 0, left_height_px = 0;  ///< of the images as they were worked on
-  int shrink = 1;                             ///< against the files
-  std::vector<PairScan> scans;                ///< left and right; empty when the images are not of film
+  std::array<std::filesystem::path, 2> files;  ///< that were worked on, of film its ideal images
+  std::array<Camera, 2> cameras;               ///< of them
+  int left_width_px = 0, left_height_px = 0;   ///< of the images as they were worked on
+  int shrink = 1;                              ///< against the files
+  std::vector<PairScan> scans;                 ///< left and right; empty when the images are not of film
   std::vector<PairPointStage> search;
+  bool is_given = false;  ///< the orientation: points are only compared with it
   std::vector<PairOrientation> orientations;
+  std::optional<RelativeReport> relative;  ///< the last one with all its points, in pixels of the files
+  std::array<PairExterior, 2> exterior;    ///< on the ground or in the model (x right, y up, z backwards)
   EpipolarPair epipolar;
   std::optional<double> pixel_um;  ///< of the images as they were worked on, where the film says its size
   Interpolation resampling = Interpolation::kBicubic;
@@ -66,7 +82,8 @@ struct PairReport {
   double median_sigma_z = 0;   ///< of their depths, in metres or bases
   bool has_base = false;       ///< the base is in metres
   std::optional<AbsoluteOrientation> absolute;
-  std::vector<std::string> control_names;
+  std::vector<std::string> control_names;  ///< of what is used, in the order of its residuals
+  std::optional<AbsoluteReport> control;   ///< absolute, of the model as `relative` has it, with tests of all points
   std::optional<PairMap> map;
   std::vector<Finding> findings;
 
@@ -79,5 +96,14 @@ struct PairReport {
 
 /// For a terminal and as a file.
 [[nodiscard]] std::string pair_text(const PairReport& report);
+/// The same figures for programs: units in the names, null where something is not known.
+[[nodiscard]] std::string pair_json(const PairReport& report);
+/// Writes FOLDER/pair.txt, FOLDER/pair.json and FOLDER/pair.html (one file with its pictures, no network needed) beside
+/// the products that the page shows. A picture that cannot be read is a finding of the page. Errors: disk.
+[[nodiscard]] Result<> write_pair_report(const PairReport& report, const std::filesystem::path& folder);
+/// Homologous points (points.txt), those that were rejected on the way (rejected.txt), parameters, correlations and
+/// residuals of the relative orientation and its model, both exterior orientations, and with control those of the
+/// absolute orientation.
+[[nodiscard]] std::vector<NamedTable> pair_tables(const PairReport& report);
 
 }  // namespace collinea

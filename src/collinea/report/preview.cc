@@ -9,6 +9,7 @@
 #include "collinea/raster/geotiff.h"
 #include "collinea/raster/hillshade.h"
 #include "collinea/raster/image_file.h"
+#include "collinea/raster/pyramid.h"
 #include "collinea/report/internal/figures.h"
 #include "collinea/report/internal/svg.h"
 
@@ -16,6 +17,7 @@ namespace collinea {
 namespace {
 
 constexpr int kJpegQuality = 85;
+constexpr int kPreviewSide_px = 900;
 
 using Colour = std::array<double, 3>;
 
@@ -53,14 +55,15 @@ std::pair<double, double> percentiles(const FloatImage& heights, double low, dou
   return {at(low), at(high)};
 }
 
-Raster<std::uint8_t> shaded(const FloatImage& heights, double cell_m, double low, double high) {
+// Without the size of a cell: without light.
+Raster<std::uint8_t> shaded(const FloatImage& heights, std::optional<double> cell_m, double low, double high) {
   Raster<std::uint8_t> image(heights.width, heights.height, 3, 255);
   for (int y = 0; y < heights.height; ++y)
     for (int x = 0; x < heights.width; ++x) {
       const float value = heights.at(x, y);
       if (!std::isfinite(value)) continue;
       const Colour colour = ramp((value - low) / std::max(1e-9, high - low));
-      const double facing = hillshade_at(heights, x, y, cell_m) * std::numbers::sqrt2;  // 1 on a plane
+      const double facing = cell_m ? hillshade_at(heights, x, y, *cell_m) * std::numbers::sqrt2 : 1;  // 1 on a plane
       const double light = 0.35 + 0.65 * std::min(facing, 1.35);
       for (int c = 0; c < 3; ++c)
         image.at(x, y, c) = std::uint8_t(std::clamp(colour[std::size_t(c)] * light, 0.0, 255.0));
@@ -73,15 +76,44 @@ Result<Preview> encoded(const Raster<std::uint8_t>& image, double low, double hi
   return Preview{std::move(jpeg), image.width, image.height, low, high};
 }
 
-}  // namespace
-
-Result<Preview> preview_of_heights(const std::filesystem::path& geotiff, int longest_side_px) {
+Result<Preview> in_colours(const std::filesystem::path& geotiff, int longest_side_px, bool has_light) {
   COLLINEA_TRY(const GeoTiffReader reader, GeoTiffReader::open(geotiff));
   const MapGrid& grid = reader.grid();
   const Size size = reduced(grid, longest_side_px);
-  COLLINEA_TRY(const FloatImage heights, reader.read_known(0, 0, grid.width, grid.height, size.width, size.height));
-  const auto [low, high] = percentiles(heights, 0.01, 0.99);
-  return encoded(shaded(heights, grid.cell_m * grid.width / size.width, low, high), low, high);
+  COLLINEA_TRY(const FloatImage values, reader.read_known(0, 0, grid.width, grid.height, size.width, size.height));
+  const auto [low, high] = percentiles(values, 0.01, 0.99);
+  const double cell_m = grid.cell_m * grid.width / size.width;
+  return encoded(shaded(values, has_light ? std::optional(cell_m) : std::nullopt, low, high), low, high);
+}
+
+}  // namespace
+
+Result<Preview> preview_of_values(const std::filesystem::path& geotiff, int longest_side_px) {
+  return in_colours(geotiff, longest_side_px, false);
+}
+
+Result<Preview> preview_of_file(const std::filesystem::path& file, int longest_side_px) {
+  COLLINEA_TRY(const ImageHeader header, read_image_header(file));
+  const int longest = std::max(header.width_px, header.height_px);
+  int shrink = 1;
+  while (shrink < 8 && longest / (2 * shrink) >= longest_side_px) shrink *= 2;
+  COLLINEA_TRY(const ColourImage image, read_colour(file, shrink));
+  const int rest = (std::max(image.width, image.height) + longest_side_px - 1) / longest_side_px;
+  return encoded(rest > 1 ? shrunk(image, rest) : image, 0, 0);
+}
+
+std::optional<Preview> preview_or_finding(MakePreview make, const std::filesystem::path& file,
+                                          std::vector<Finding>& findings) {
+  if (file.empty()) return std::nullopt;
+  Result<Preview> made = make(file, kPreviewSide_px);
+  if (made) return *std::move(made);
+  findings.push_back(
+      finding_of(FindingCode::kNoPreview, {Subject::file(file.filename().string())}, {}, {}, made.error().message));
+  return std::nullopt;
+}
+
+Result<Preview> preview_of_heights(const std::filesystem::path& geotiff, int longest_side_px) {
+  return in_colours(geotiff, longest_side_px, true);
 }
 
 Result<Preview> preview_of_image(const std::filesystem::path& geotiff, int longest_side_px) {
@@ -100,7 +132,7 @@ Result<Preview> preview_of_image(const std::filesystem::path& geotiff, int longe
   return encoded(image, 0, 0);
 }
 
-std::string height_scale(const Preview& preview, const std::string& unit) {
+std::string height_scale(const Preview& preview, const std::string& unit, int decimals) {
   constexpr int kSteps = 60;
   Svg svg(460, 40, "Heights");
   for (int i = 0; i < kSteps; ++i) {
@@ -108,8 +140,8 @@ std::string height_scale(const Preview& preview, const std::string& unit) {
     svg.rectangle(60 + 340.0 * i / kSteps, 4, 340.0 / kSteps + 0.5, 14, "swatch",
                   fmt::format("#{:02x}{:02x}{:02x}", int(c[0]), int(c[1]), int(c[2])));
   }
-  svg.text({54, 16}, number_text(preview.low_m, 1) + " " + unit, "end");
-  svg.text({406, 16}, number_text(preview.high_m, 1) + " " + unit, "start");
+  svg.text({54, 16}, number_text(preview.low_m, decimals) + " " + unit, "end");
+  svg.text({406, 16}, number_text(preview.high_m, decimals) + " " + unit, "start");
   return svg.finish();
 }
 

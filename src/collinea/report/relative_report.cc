@@ -61,15 +61,20 @@ std::vector<Element> symmetric_list(const SymmetricWithCovariance& s) {
   return elements_of(s.elements.values(), s.covariance, {"phi1", "kappa1", "omega2", "phi2", "kappa2"}, 0);
 }
 
+// 0 where one of the two is exact.
+double correlation_of(const Matrix5& covariance, Eigen::Index row, Eigen::Index column) {
+  const double product = covariance(row, row) * covariance(column, column);
+  return product > 0 ? covariance(row, column) / std::sqrt(product) : 0;
+}
+
 std::string list_text(const std::vector<Element>& elements, const Matrix5& covariance) {
   std::string text;
   for (std::size_t i = 0; i < elements.size(); ++i) {
     const Element& e = elements[i];
     text += fmt::format("  {:<7}{:>12.6f} {:<4} sigma {:.6f}", e.name, e.value, e.unit == "1" ? "" : e.unit, e.sigma);
-    for (std::size_t k = 0; k < i; ++k) {
+    for (std::size_t k = 0; k < i && e.sigma > 0; ++k) {  // what is given without a sigma is exact
       const auto row = static_cast<Eigen::Index>(i), column = static_cast<Eigen::Index>(k);
-      text += fmt::format("{}{:6.2f}", k == 0 ? "   correlations " : "",
-                          covariance(row, column) / std::sqrt(covariance(row, row) * covariance(column, column)));
+      text += fmt::format("{}{:6.2f}", k == 0 ? "   correlations " : "", correlation_of(covariance, row, column));
     }
     text += "\n";
   }
@@ -81,7 +86,7 @@ Eigen::Vector4d residual_of(const RelativeReport& report, std::size_t i) {
   const PairResidual& residual = report.orientation.residuals[i];
   const double f = report.frame.camera.focal_px();
   Eigen::Vector4d v;
-  v << residual.first * f, residual.second * f;
+  v << residual.first * f, residual.second * report.second_principal_distance.value_or(f);
   if (report.frame.y_up) {
     v(1) = -v(1);
     v(3) = -v(3);
@@ -93,8 +98,11 @@ double unit_weight(const RelativeReport& report) { return std::sqrt(report.orien
 
 std::string head(const RelativeReport& report) {
   const RelativeOrientation& o = report.orientation;
-  std::string text = fmt::format("relative orientation of {} points, {} rejected; redundancy {:.6g}\n", o.used,
-                                 o.rejected.size(), o.redundancy);
+  std::string text = report.is_given
+                         ? fmt::format("the orientation is as given: {} points compared with it, {} rejected\n", o.used,
+                                       o.rejected.size())
+                         : fmt::format("relative orientation of {} points, {} rejected; redundancy {:.6g}\n", o.used,
+                                       o.rejected.size(), o.redundancy);
   if (o.redundancy == 0) return text + "five points: nothing checks them\n";
   const std::string_view unit = report.frame.unit();
   if (report.options.sigma_known) {
@@ -122,8 +130,9 @@ std::string elements_text(const RelativeReport& report) {
     text += "dependent pair: the base has no component along x, by and bz are without bound\n";
   const SymmetricWithCovariance s = symmetric(report);
   text += "symmetric pair (independent), omega1 = 0:\n" + list_text(symmetric_list(s), s.covariance);
-  text += fmt::format("of the four solutions this one has {} of {} points in front of both images\n",
-                      report.orientation.in_front, report.orientation.used);
+  text += fmt::format("{} has {} of {} points in front of both images\n",
+                      report.is_given ? "it" : "of the four solutions this one", report.orientation.in_front,
+                      report.orientation.used);
   const RelativeOrientation& o = report.orientation;
   if (o.in_front < kFront * o.used)
     text += "wrong: rays of many points meet behind an image. The points are not those of two views of one object\n";
@@ -133,29 +142,64 @@ std::string elements_text(const RelativeReport& report) {
   return text;
 }
 
-std::string residuals_text(const RelativeReport& report) {
-  const RelativeOrientation& o = report.orientation;
-  std::string text =
-      fmt::format("residuals [{}]:\n  {:<12}{:>10}{:>10}{:>10}{:>10}{:>12}{:>8}{:>8}\n", report.frame.unit(), "point",
-                  "x left", "y left", "x right", "y right", "y-parallax", "r", "test");
+double parallax_of(const RelativeReport& report, std::size_t i) {
+  return report.orientation.residuals[i].y_parallax * report.frame.camera.focal_px();
+}
+
+std::string residual_head(const RelativeReport& report, const char* of) {
+  return fmt::format("{} [{}]:\n  {:<12}{:>10}{:>10}{:>10}{:>10}{:>12}{:>8}{:>8}\n", of, report.frame.unit(), "point",
+                     "x left", "y left", "x right", "y right", "y-parallax", "r", "test");
+}
+
+double test_of(const RelativeReport& report, std::size_t i) {
+  const double unit = unit_weight(report);
+  return unit > 0 ? report.orientation.residuals[i].standardised / unit : 0;
+}
+
+std::string residual_row(const RelativeReport& report, std::size_t i) {
+  const PairResidual& residual = report.orientation.residuals[i];
+  const Eigen::Vector4d v = residual_of(report, i);
+  return fmt::format("  {:<12}{:>10.4f}{:>10.4f}{:>10.4f}{:>10.4f}{:>12.4f}{:>8.2f}{:>8.2f}{}\n", report.names[i], v(0),
+                     v(1), v(2), v(3), parallax_of(report, i), residual.redundancy, test_of(report, i),
+                     residual.used ? "" : "  rejected");
+}
+
+std::string parallax_text(const RelativeReport& report) {
   double squares = 0;
-  for (std::size_t i = 0; i < report.points.size(); ++i) {
-    const PairResidual& residual = o.residuals[i];
-    const Eigen::Vector4d v = residual_of(report, i);
-    const double parallax = residual.y_parallax * report.frame.camera.focal_px();
-    if (residual.used) squares += parallax * parallax;
-    const double unit = unit_weight(report);
-    text += fmt::format("  {:<12}{:>10.4f}{:>10.4f}{:>10.4f}{:>10.4f}{:>12.4f}{:>8.2f}{:>8.2f}{}\n", report.names[i],
-                        v(0), v(1), v(2), v(3), parallax, residual.redundancy,
-                        unit > 0 ? residual.standardised / unit : 0, residual.used ? "" : "  rejected");
-  }
-  text += fmt::format("residual y-parallax, root mean square: {:.4f} {}\n", std::sqrt(squares / std::max(1, o.used)),
-                      report.frame.unit());
+  for (std::size_t i = 0; i < report.points.size(); ++i)
+    if (report.orientation.residuals[i].used) squares += parallax_of(report, i) * parallax_of(report, i);
+  return fmt::format("residual y-parallax, root mean square: {:.4f} {}\n",
+                     std::sqrt(squares / std::max(1, report.orientation.used)), report.frame.unit());
+}
+
+std::string rejection_text(const RelativeReport& report) {
   if (report.options.rejection == PairRejection::kSnooping)
-    text += fmt::format("test: residual over its standard deviation; beyond {:.2f} a point is rejected\n", o.limit);
-  else if (report.options.rejection == PairRejection::kResidual)
-    text += fmt::format("rejected: residuals beyond {:.2f} sigma0\n", report.options.residual_limit);
-  for (const int i : o.rejected) text += fmt::format("rejected: {}\n", report.names[static_cast<std::size_t>(i)]);
+    return fmt::format("test: residual over its standard deviation; beyond {:.2f} a point is rejected\n",
+                       report.orientation.limit);
+  if (report.options.rejection == PairRejection::kResidual)
+    return fmt::format("rejected: residuals beyond {:.2f} sigma0\n", report.options.residual_limit);
+  return "";
+}
+
+// The largest tests first.
+std::string rejected_text(const RelativeReport& report, std::size_t most) {
+  std::vector<std::size_t> rejected(report.orientation.rejected.begin(), report.orientation.rejected.end());
+  if (rejected.empty() || most == 0) return "";
+  std::stable_sort(rejected.begin(), rejected.end(), [&](std::size_t a, std::size_t b) {
+    return std::abs(test_of(report, a)) > std::abs(test_of(report, b));
+  });
+  std::string text = residual_head(report, "residuals of rejected points");
+  for (std::size_t k = 0; k < std::min(most, rejected.size()); ++k) text += residual_row(report, rejected[k]);
+  if (rejected.size() > most) text += fmt::format("  and {} more\n", rejected.size() - most);
+  return text;
+}
+
+std::string residuals_text(const RelativeReport& report) {
+  std::string text = residual_head(report, "residuals");
+  for (std::size_t i = 0; i < report.points.size(); ++i) text += residual_row(report, i);
+  text += parallax_text(report) + rejection_text(report);
+  for (const int i : report.orientation.rejected)
+    text += fmt::format("rejected: {}\n", report.names[static_cast<std::size_t>(i)]);
   return text;
 }
 
@@ -214,6 +258,7 @@ std::string sentence_of(PairWeakness weakness, const RelativeReport& report) {
 }
 
 std::string shape_text(const RelativeReport& report) {
+  if (report.is_given) return "";  // the points determine nothing
   if (!report.shape) return "fewer than five points in front of both images: their geometry is not judged\n";
   const PairShape& shape = *report.shape;
   const std::string unit = report.base_is_given ? " m" : " (base = " + fmt::format("{:g}", report.base) + ")";
@@ -258,6 +303,29 @@ std::string value(double v) { return fmt::format("{:.9g}", v); }
 
 std::string relative_text(const RelativeReport& report) {
   return head(report) + elements_text(report) + residuals_text(report) + distances_text(report) + shape_text(report);
+}
+
+std::string relative_summary_text(const RelativeReport& report, std::size_t most_rejected) {
+  return head(report) + elements_text(report) + parallax_text(report) + rejection_text(report) +
+         rejected_text(report, most_rejected) + distances_text(report) + shape_text(report);
+}
+
+TextTable relative_correlation_table(const RelativeReport& report) {
+  TextTable table;
+  table.remarks = {"element k: the k-th of its form"};
+  table.columns = {{"form", ""}, {"element", ""}};
+  for (int k = 1; k <= 5; ++k) table.columns.push_back({fmt::format("element_{}", k), ""});
+  const auto add = [&](const char* form, const std::vector<Element>& elements, const Matrix5& c) {
+    for (Eigen::Index i = 0; i < 5; ++i) {
+      std::vector<std::string> row{form, elements[static_cast<std::size_t>(i)].name};
+      for (Eigen::Index k = 0; k < 5; ++k) row.push_back(decimal_text(c(i, k) / std::sqrt(c(i, i) * c(k, k)), 6));
+      table.rows.push_back(std::move(row));
+    }
+  };
+  if (const auto d = dependent(report)) add("dependent", dependent_list(*d), d->covariance);
+  const SymmetricWithCovariance s = symmetric(report);
+  add("symmetric", symmetric_list(s), s.covariance);
+  return table;
 }
 
 TextTable relative_parameter_table(const RelativeReport& report) {
@@ -337,56 +405,6 @@ TextTable relative_exterior_table(const RelativeReport& report) {
   table.rows.push_back({"right", value(centre.x()), value(centre.y()), value(centre.z()), value(angles.omega_deg),
                         value(angles.phi_deg), value(angles.kappa_deg)});
   return table;
-}
-
-std::string pair_shape_svg(const RelativeReport& report) {
-  constexpr double kSize = 480, kMargin = 40;
-  std::string body;
-  if (report.shape) {
-    const PairShape& shape = *report.shape;
-    std::vector<Eigen::Vector2d> across;
-    Eigen::Vector2d low(0, 0), high(0, 0);
-    const auto widen = [&](const Eigen::Vector2d& p) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    };
-    for (const auto& point : report.model.points) {
-      if (!point || !point->in_front) continue;
-      const Eigen::Vector3d in_camera =
-          Eigen::Vector3d(point->position.x(), -point->position.y(), -point->position.z());
-      across.emplace_back(shape.across_in_first.transpose() * in_camera);
-      widen(across.back());
-    }
-    const bool draws_circle = shape.cylinder && shape.cylinder->radius < 2 * shape.distance;
-    if (draws_circle) {
-      const Eigen::Vector2d r = Eigen::Vector2d::Constant(shape.cylinder->radius * report.base);
-      widen(shape.cylinder->centre * report.base - r);
-      widen(shape.cylinder->centre * report.base + r);
-    }
-    const double scale = (kSize - 2 * kMargin) / std::max({high.x() - low.x(), high.y() - low.y(), 1e-9});
-    const auto at = [&](const Eigen::Vector2d& p) {
-      return Eigen::Vector2d(kMargin + (p.x() - low.x()) * scale, kMargin + (p.y() - low.y()) * scale);
-    };
-    if (draws_circle) {
-      const Eigen::Vector2d c = at(shape.cylinder->centre * report.base);
-      body += fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='{:.1f}' fill='none' stroke='#b33' stroke-width='1.5'/>\n",
-                          c.x(), c.y(), shape.cylinder->radius * report.base * scale);
-    }
-    for (const Eigen::Vector2d& p : across)
-      body += fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='2.5' fill='#246'/>\n", at(p).x(), at(p).y());
-    const Eigen::Vector2d base = at({0, 0});
-    body += fmt::format(
-        "<rect x='{:.1f}' y='{:.1f}' width='8' height='8' fill='#000'/>\n<text x='{:.1f}' y='{:.1f}'>base</text>\n",
-        base.x() - 4, base.y() - 4, base.x() + 8, base.y() - 6);
-    if (shape.cylinder)
-      body += fmt::format("<text x='10' y='{:.0f}'>roughness {:.1f} % of the distance, epsilon {:.2g}</text>\n",
-                          kSize - 10, 100 * shape.cylinder->roughness / shape.distance, shape.epsilon);
-  }
-  return fmt::format(
-      "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {0:.0f} {0:.0f}' width='{0:.0f}' height='{0:.0f}' "
-      "font-family='sans-serif' font-size='13'>\n<rect width='100%' height='100%' fill='#fff'/>\n<text x='10' y='18'>"
-      "points seen along the base, and the nearest critical cylinder</text>\n{1}</svg>\n",
-      kSize, body);
 }
 
 }  // namespace collinea

@@ -18,6 +18,7 @@ namespace collinea {
 /// The relative orientation of a pair, as found from a table.
 struct RelativeReport {
   PhotoFrame frame;
+  std::optional<double> second_principal_distance;  ///< of the second image; nothing: as of the first
   std::vector<std::string> names;
   std::vector<PairPoint> points;
   RelativeOptions options;
@@ -25,6 +26,7 @@ struct RelativeReport {
   bool sigma_is_given = false;
   double base = 1;
   bool base_is_given = false;  ///< then it is in m
+  bool is_given = false;       ///< the orientation: points are only compared with it
   RelativeOrientation orientation;
   std::optional<PairShape> shape;
   PairModel model;  ///< x right, y up, z backwards
@@ -39,8 +41,13 @@ struct RelativeReport {
 /// For a terminal: elements with standard deviations and correlations, residuals, tests, the geometry of the pair.
 [[nodiscard]] std::string relative_text(const RelativeReport& report);
 
+/// The same, of the residuals those of at most so many rejected points alone, the largest tests first.
+[[nodiscard]] std::string relative_summary_text(const RelativeReport& report, std::size_t most_rejected);
+
 /// element value sigma unit, of the dependent and the symmetric form.
 [[nodiscard]] TextTable relative_parameter_table(const RelativeReport& report);
+/// form, element, and the correlations with the five elements of that form.
+[[nodiscard]] TextTable relative_correlation_table(const RelativeReport& report);
 /// point, four residuals, y-parallax, redundancy number, standardised residual, used or rejected.
 [[nodiscard]] TextTable relative_residual_table(const RelativeReport& report);
 /// point U V W with standard deviations, correlations and the length of the spatial parallax.

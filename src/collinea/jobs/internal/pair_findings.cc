@@ -76,7 +76,7 @@ std::optional<double> median_depth(const ModelOfPair& model) {
 
 void add_control(const PairReport& report, const std::optional<PairOverlap>& overlap,
                  std::span<const Vector2d> control_px, std::vector<Finding>& findings) {
-  if (!report.absolute) return;
+  if (!report.absolute || report.is_given) return;
   if (overlap)
     if (const auto [empty, quarters] = overlap->quarters_without(control_px); empty > 0)
       findings.push_back(finding_of(C::kPairControlApart, {}, {{F::kCount, double(empty)}, {F::kOf, double(quarters)}},
@@ -162,7 +162,7 @@ std::vector<Finding> pair_findings(const ModelOfPair& model, const PairReport& r
   const auto overlap = PairOverlap::of(model);
   std::vector<Finding> findings;
   add_points(last, overlap, model.points, findings);
-  add_geometry(model, findings);
+  if (!report.is_given) add_geometry(model, findings);  // what is given is not determined by the points
   if (wanted_sigma_z_m && report.is_metric() && report.median_sigma_z_m() > *wanted_sigma_z_m)
     if (const auto ratio = base_ratio(report, median_depth(model)))
       findings.push_back(

@@ -23,12 +23,16 @@ struct PairChainOptions {
   std::optional<double> principal_distance_px;
   std::optional<std::string> principal_point_px;
   std::optional<Resolution> resolution;
+  std::optional<std::string> area;
   Interpolation resampling = Interpolation::kBicubic;
   std::optional<double> base_m;
   std::optional<double> cell_m;
   std::optional<double> wanted_sigma_z_m;
   std::optional<std::filesystem::path> control;
+  std::optional<std::filesystem::path> exterior;
   double control_sigma_px = 0.5;
+  bool reject_control = false;
+  double control_alpha = 0.001;
   bool refine = true;
   PairSurface surface = PairSurface::kLevels;
   PairPointOptions points;
@@ -49,6 +53,10 @@ struct PairChainOptions {
     visit(Field{"resolution", &O::resolution, "",
                 "at which the images are worked on; nothing: the largest with at most 256 million pixels, of the dense "
                 "surface 64"});
+    visit(
+        Field{"area", &O::area, "px",
+              "column,row,column,row: a rectangle of the left image by two corners; the surface of it alone is found, "
+              "at full resolution where no other is asked for"});
     visit(Field{"resampling", &O::resampling, "", "how the epipolar images are made"});
     visit(Field{"base_m", &O::base_m, "m", "distance of the projection centres, for the scale", 1e-6, 1e9});
     visit(Field{"cell_m", &O::cell_m, "m",
@@ -60,9 +68,18 @@ struct PairChainOptions {
                 1e6});
     visit(Field{"control", &O::control, "",
                 "text table: point X Y Z (- where not known), sigma_X sigma_Y sigma_Z [m], x_left y_left x_right "
-                "y_right [px], for the absolute orientation"}
+                "y_right [px], role (control, or check: only compared), for the absolute orientation"}
               .leads_to(PathKind::kFile));
+    visit(
+        Field{"exterior", &O::exterior, "",
+              "table of exterior orientations (image X Y Z omega phi kappa, with sigma_ columns where known) that the "
+              "pair is taken to have, in place of control and base: as relative, resection, triplet and pair write"}
+            .leads_to(PathKind::kFile));
     visit(Field{"control_sigma_px", &O::control_sigma_px, "px", "of the image coordinates of control", 1e-3, 100});
+    visit(Field{"reject_control", &O::reject_control, "",
+                "leave out control one by one as long as the largest test w of a coordinate is beyond its limit"});
+    visit(Field{"control_alpha", &O::control_alpha, "1", "chance with which a test of control rejects what is right",
+                1e-6, 0.5});
     visit(Field{"refine", &O::refine, "", "refine the points by least squares matching, and orient again"});
     visit(Field{"surface", &O::surface, "", "how the surface is found"});
     visit(Group{"points", &O::points});

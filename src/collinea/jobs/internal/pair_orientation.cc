@@ -15,7 +15,7 @@ void enlarge(std::vector<MatchedPoint>& points, int times) {
 }  // namespace
 
 Result<OrientedPair> orient_pair(const PairFiles& pair, const PairShrinks& shrinks, const PairChainOptions& options,
-                                 PairReport& report, const Run& run) {
+                                 PairReport& report, const Run& run, const std::optional<GivenPair>& given) {
   COLLINEA_TRY(PairImages images, read_pair(pair, shrinks.search, run));
   COLLINEA_TRY(PairPoints found, find_pair_points(images.left, images.right, options.points, run));
   for (PairPointStage& stage : found.stages) {
@@ -26,7 +26,7 @@ Result<OrientedPair> orient_pair(const PairFiles& pair, const PairShrinks& shrin
   run.report("points", 1);
   std::vector<MatchedPoint> points = std::move(found.points);
   const auto orient = [&](const std::string& by) -> Result<> {
-    COLLINEA_TRY(PairOrientation next, oriented_by(by, points, images, options.relative, run.seed));
+    COLLINEA_TRY(PairOrientation next, oriented_by(by, points, images, options.relative, run.seed, given));
     next.shrink = images.shrink;
     report.orientations.push_back(std::move(next));
     return {};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -26,11 +27,15 @@ class PairOrientationSigma {
   /// the points of the orientation and a fifth of their range beyond; farther away as there.
   [[nodiscard]] Eigen::Matrix3d covariance(const Eigen::Vector2d& left_px, double disparity_px) const;
 
+  /// Of a pair whose exterior orientations are given, with their covariances, as independent of each other.
+  static Result<PairOrientationSigma> of(const ModelOfPair& model, const std::array<UncertainPose, 2>& poses);
+
  private:
   struct Lattice {
     double step_x = 1, step_y = 1, low = 0, step_d = 1;
   };
 
+  static Lattice lattice_of(const ModelOfPair& model);
   PairOrientationSigma(const Lattice& lattice, std::vector<Eigen::Matrix3d> nodes)
       : lattice_(lattice), nodes_(std::move(nodes)) {}
 

@@ -33,6 +33,8 @@ double peak_bytes(double pixels, PairSurface surface) {
   return kBesides + pixels * (surface == PairSurface::kDense ? 6 : 3);
 }
 
+constexpr double kReadBytes = 5;  // a pixel of whole images where an area is worked on: two in grey, one in colour
+
 constexpr double kFarthest_px = 2;  // that least squares matching may move a point
 // Larger windows overlap those of neighbouring points: sigma 0 falls, errors of the orientation do not.
 constexpr int kWindow_px = 15;
@@ -114,18 +116,20 @@ Result<PairFiles> open_pair(const fs::path& left, const fs::path& right, const f
   return pair;
 }
 
-Result<PairShrinks> shrinks_of(const PairFiles& pair, const PairChainOptions& options) {
-  const double pixels = pair.pixels();
-  const auto reduced_to = [&](double most) {
+Result<PairShrinks> shrinks_of(const PairFiles& pair, const PairChainOptions& options, std::optional<double> area_px) {
+  const double pixels = area_px.value_or(pair.pixels());
+  const auto reduced_to = [](double all, double most) {
     int shrink = 1;
-    while (shrink < kMostShrink && pixels / (double(shrink) * shrink) > most) shrink *= 2;
+    while (shrink < kMostShrink && all / (double(shrink) * shrink) > most) shrink *= 2;
     return shrink;
   };
   const double usual = options.surface == PairSurface::kDense ? kMostDensePixels : kMostPixels;
   PairShrinks shrinks;
-  shrinks.surface = options.resolution ? static_cast<int>(*options.resolution) : reduced_to(usual);
-  shrinks.search = std::max(shrinks.surface, reduced_to(kMostSearchPixels));
-  const double need = peak_bytes(pixels / (double(shrinks.surface) * shrinks.surface), options.surface);
+  shrinks.surface = options.resolution ? static_cast<int>(*options.resolution) : reduced_to(pixels, usual);
+  shrinks.search = std::max(shrinks.surface, reduced_to(pair.pixels(), kMostSearchPixels));
+  const double reduction = double(shrinks.surface) * shrinks.surface;
+  const double need =
+      peak_bytes(pixels / reduction, options.surface) + (area_px ? kReadBytes * pair.pixels() / reduction : 0);
   if (const double have = double(physical_memory()); have > 0 && need > have)
     return fail(Errc::kBadInput,
                 fmt::format("at this resolution the pair takes some {:.1f} GB of memory; the machine has {:.1f}",
@@ -156,10 +160,19 @@ std::vector<PairPoint> normalised(const std::vector<MatchedPoint>& points, const
 }
 
 Result<PairOrientation> oriented_by(const std::string& by, std::vector<MatchedPoint>& points, const PairImages& images,
-                                    const RelativeOptions& options, std::uint64_t seed) {
-  PairOrientation made{.by = by, .points = points.size()};
-  COLLINEA_TRY(made.orientation,
-               relative_orientation(normalised(points, images.left_camera, images.right_camera, 1), options, seed));
+                                    const RelativeOptions& options, std::uint64_t seed,
+                                    const std::optional<GivenPair>& given) {
+  PairOrientation made{.by = by, .points = points.size(), .matched = points};
+  const std::vector<PairPoint> pairs = normalised(points, images.left_camera, images.right_camera, 1);
+  COLLINEA_TRY(made.orientation, given ? given_orientation(pairs, given->second_from_first, given->covariance, options)
+                                       : relative_orientation(pairs, options, seed));
+  if (given && 2 * made.orientation.in_front < made.orientation.used)
+    return fail(
+        Errc::kIllPosed,
+        fmt::format("the exterior orientation has {} of {} homologous points in front of both images: it is not "
+                    "that of these photographs",
+                    made.orientation.in_front, made.orientation.used),
+        {"exterior"_option});
   made.rejected = made.orientation.rejected.size();
   made.sigma0_px = made.orientation.sigma0;
   std::vector<MatchedPoint> kept;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "collinea/dense/level_point.h"
+#include "collinea/jobs/internal/given_pair.h"
 #include "collinea/jobs/internal/pair_film.h"
 #include "collinea/jobs/internal/pair_options.h"
 #include "collinea/raster/raster.h"
@@ -29,8 +30,10 @@ struct PairFiles {
 struct PairShrinks {
   int search = 1, surface = 1;
 };
-/// Error: the resolution asked for takes more memory than the machine has.
-[[nodiscard]] Result<PairShrinks> shrinks_of(const PairFiles& pair, const PairChainOptions& options);
+/// `area_px`: pixels of the files whose surface is found, where it is not all. Error: the resolution asked for takes
+/// more memory than the machine has.
+[[nodiscard]] Result<PairShrinks> shrinks_of(const PairFiles& pair, const PairChainOptions& options,
+                                             std::optional<double> area_px = {});
 
 /// The images of a pair as they are worked on.
 struct PairImages {
@@ -56,10 +59,11 @@ struct ModelOfPair {
 [[nodiscard]] std::vector<PairPoint> normalised(const std::vector<MatchedPoint>& points, const Camera& left,
                                                 const Camera& right, double sigma_px);
 
-/// Orients the pair by the points, and drops from them those that were rejected.
+/// Orients the pair by the points, or tells what they say of an orientation that is given, and drops from them those
+/// that were rejected. Error: most points are behind a camera of the given orientation.
 [[nodiscard]] Result<PairOrientation> oriented_by(const std::string& by, std::vector<MatchedPoint>& points,
                                                   const PairImages& images, const RelativeOptions& options,
-                                                  std::uint64_t seed);
+                                                  std::uint64_t seed, const std::optional<GivenPair>& given = {});
 
 /// Right positions by least squares matching, with standard deviations such that the mean weight is 1; points where it
 /// finds nothing are dropped.

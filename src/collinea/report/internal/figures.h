@@ -2,7 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "collinea/report/internal/coverage.h"
 #include "collinea/report/statistics.h"
@@ -32,7 +34,15 @@ struct Preview {
 };
 [[nodiscard]] Result<Preview> preview_of_heights(const std::filesystem::path& geotiff, int longest_side_px);
 [[nodiscard]] Result<Preview> preview_of_image(const std::filesystem::path& geotiff, int longest_side_px);
-/// The colour scale of preview_of_heights.
-[[nodiscard]] std::string height_scale(const Preview& preview, const std::string& unit);
+/// Values of one band in the colours of heights, without light: standard deviations.
+[[nodiscard]] Result<Preview> preview_of_values(const std::filesystem::path& geotiff, int longest_side_px);
+/// Of a photograph (JPEG, PNG, TIFF).
+[[nodiscard]] Result<Preview> preview_of_file(const std::filesystem::path& file, int longest_side_px);
+using MakePreview = Result<Preview> (*)(const std::filesystem::path&, int);
+/// A preview is a help, not a figure: when it cannot be made there is a finding, and none where `file` is empty.
+[[nodiscard]] std::optional<Preview> preview_or_finding(MakePreview make, const std::filesystem::path& file,
+                                                        std::vector<Finding>& findings);
+/// The colour scale of preview_of_heights and preview_of_values.
+[[nodiscard]] std::string height_scale(const Preview& preview, const std::string& unit, int decimals = 1);
 
 }  // namespace collinea

@@ -10,33 +10,12 @@
 
 #include "collinea/math/median.h"
 #include "collinea/report/finding_words.h"
+#include "collinea/report/internal/page_parts.h"
 #include "collinea/report/internal/svg.h"
 #include "collinea/report/value_words.h"
 
 namespace collinea {
 namespace {
-
-std::string base64(std::string_view bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t triple = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      triple = triple << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? kDigits[triple >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
-}
-
-std::string image(const Preview& preview, const char* name) {
-  return fmt::format("<img alt=\"{}\" width=\"{}\" height=\"{}\" src=\"data:image/jpeg;base64,{}\">", name,
-                     preview.width, preview.height, base64(preview.jpeg));
-}
-
-std::string fact(std::string_view name, const std::string& value, bool wide = false) {
-  return fmt::format("<div{}><dt>{}</dt><dd>{}</dd></div>\n", wide ? " class=\"wide\"" : "", name, escaped(value));
-}
 
 std::string area_text(double area, const std::string& unit) {
   if (unit != "m") return fmt::format("{:.4g} square units", area);
@@ -47,12 +26,6 @@ std::string area_text(double area, const std::string& unit) {
 
 std::string pixel_size_text(double size, const std::string& unit) {
   return unit == "m" && size < 1 ? fmt::format("{:.2f} cm", 100 * size) : fmt::format("{:.3g} {}", size, unit);
-}
-
-std::string count_text(std::size_t count) {  // 1,234,567
-  std::string digits = std::to_string(count);
-  for (auto at = std::ptrdiff_t(digits.size()) - 3; at > 0; at -= 3) digits.insert(std::size_t(at), 1, ',');
-  return digits;
 }
 
 // Wrong before weak before noteworthy; in each what moves points by a share of their sigmas behind the rest, the
@@ -172,9 +145,10 @@ std::string products_images(const std::optional<Preview>& heights, const std::op
   if (!heights && !ortho) return "";
   std::string html = "<section><h2>Products</h2>\n<div class=\"pair\">\n";
   if (ortho)
-    html += "<figure>" + image(*ortho, "Orthophoto") + "<figcaption>Orthophoto, reduced.</figcaption></figure>\n";
+    html +=
+        "<figure>" + image_element(*ortho, "Orthophoto") + "<figcaption>Orthophoto, reduced.</figcaption></figure>\n";
   if (heights)
-    html += "<figure>" + image(*heights, "Surface model") + height_scale(*heights, unit) +
+    html += "<figure>" + image_element(*heights, "Surface model") + height_scale(*heights, unit) +
             "<figcaption>Surface model, reduced; heights in colour, light from the north-west. White: no "
             "height.</figcaption></figure>\n";
   return html + "</div></section>\n";

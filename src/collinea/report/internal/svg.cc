@@ -95,6 +95,11 @@ void Svg::rectangle(double x, double y, double width, double height, std::string
   body_ += "/>\n";
 }
 
+void Svg::image_at(double width, double height, std::string_view address) {
+  body_ +=
+      fmt::format("<image x=\"0\" y=\"0\" width=\"{:.1f}\" height=\"{:.1f}\" href=\"{}\"/>\n", width, height, address);
+}
+
 void Svg::area(std::string_view outline, std::string_view fill) {
   fmt::format_to(std::back_inserter(body_), "<path fill=\"{}\" d=\"{}\"/>\n", fill, outline);
 }

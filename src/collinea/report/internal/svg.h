@@ -24,6 +24,7 @@ class Svg {
   void polygon(std::span<const Eigen::Vector2d> points, std::string_view style);
   void circle(const Eigen::Vector2d& centre, double radius, std::string_view style, std::string_view title = "");
   void rectangle(double x, double y, double width, double height, std::string_view style, std::string_view fill = "");
+  void image_at(double width, double height, std::string_view address);  ///< from the upper left corner
   void area(std::string_view outline, std::string_view fill);  ///< `outline` in the language of SVG paths
   void arrow(const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::string_view style);
   /// `anchor`: start, middle or end.
