@@ -268,7 +268,12 @@ tl::unexpected<Error> not_settled(const ImageBundles& at, std::span<const Bundle
   const bool is_critical =
       unknowns != CalibrationUnknowns::kNone &&
       (is_valley(path, redundancy) || leaves_calibration_open(at, marks, path.back().cost, unit_base));
-  return is_critical ? critical_motion() : fail(Errc::kNotConverged, "the bundles did not converge in 50 steps");
+  if (is_critical) return critical_motion();
+  return fail(
+      Errc::kNotConverged,
+      unknowns == CalibrationUnknowns::kNone
+          ? "the bundles did not converge in 50 steps"
+          : "the bundles did not converge in 50 steps: wrong points, or images hardly turned against each other");
 }
 
 Result<> check(const ImageBundles& start, std::span<const BundleMark> marks, CalibrationUnknowns unknowns,

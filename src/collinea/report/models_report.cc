@@ -92,7 +92,7 @@ std::string discrepancies_text(const ModelsReport& report) {
   std::size_t links = 0, count = 0;
   for (const ChainPart& part : block.chain.parts) links += part.size() - 1;
   for (const JoinedPoint& point : block.points) count += point.models > 1 ? std::size_t(point.models) : 0;
-  std::string text = fmt::format("chain         {} joins, no adjustment\n", links);
+  std::string text = fmt::format("chain         {} join{}, no adjustment\n", links, links == 1 ? "" : "s");
   if (!std::isfinite(block.sigma0)) return text + "sigma0        none: no point is in two models\n";
   return text +
          fmt::format("sigma0        {:.4g} of {} discrepancies of {:.4g} {} (RMS of model minus mean, in space){}\n",
