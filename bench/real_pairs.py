@@ -5,7 +5,7 @@
 usage: bench/real_pairs.py [--data DIR] [--out DIR] [--collinea PROGRAM] [--only 27,ar,wall]
 
 DATA/film_pairs: pair_27_28 (four readers, eight control points) and rc30_AR112 (one reader, control in a band);
-DATA/wall_pair: four photographs with stated lens and orientation. The tables that are made for the program, and what it
+DATA/wall_pair: four photographs with stated lens and orientation, and nine ground points marked by hand. The tables that are made for the program, and what it
 answers, stay in OUT. Exit code 1: a command failed.
 """
 import argparse
@@ -291,19 +291,87 @@ def with_own_cameras(block, images, how):
 
 def pair_alone(program, block, lens, pair):
     """The pair's own relative orientation, as a vector, from its tie points without distortion."""
-    seen = {}
-    for line in block.splitlines():
-        words = line.split()
-        if words and words[0] == "measured_tie" and words[1][4:8] in pair:
-            seen.setdefault(words[2], {})[words[1][4:8]] = lens.without_distortion(float(words[3]), float(words[4]))
     name = f"wall_{pair[0]}_{pair[1]}"
     write_rows(program.out / f"{name}.txt", "point x_left[px] y_left[px] x_right[px] y_right[px]",
-               [[point, *xy[pair[0]], *xy[pair[1]]] for point, xy in seen.items() if len(xy) == 2])
+               [[point, *xy[pair[0]], *xy[pair[1]]] for point, xy in pixels_of_ties(block, lens, pair).items()])
     program.run("relative", f"{name}.txt", "--principal-distance", lens.f, "-o", f"{name}_relative")
     print_relative(program.out / f"{name}_relative", "px", 1, "px")
     right = rows_of(program.out / f"{name}_relative/exterior.txt")[1]
     x, y, z = between(turned(0, 0, 0), turned(*(float(right[k]) for k in ("omega", "phi", "kappa"))))
     return [-x, y, z]  # of axes with y up and z backwards, from the image to the object
+
+
+SIGMA_MATCH, SIGMA_MARK, SIGMA_GROUND = 0.2, 0.8, 0.01  # px, px, m
+
+
+def pixels_of_ties(block, lens, pair):
+    seen = {}
+    for line in block.splitlines():
+        words = line.split()
+        if words and words[0] == "measured_tie" and words[1][4:8] in pair:
+            seen.setdefault(words[2], {})[words[1][4:8]] = lens.without_distortion(float(words[3]), float(words[4]))
+    return {point: xy for point, xy in seen.items() if len(xy) == 2}
+
+
+def marked_by_hand(data, lens):
+    """Ground points, and (image, point): pixel without distortion."""
+    ground = {node.find("NamePt").text: node.find("Pt").text.split()
+              for node in xml.etree.ElementTree.parse(data / "Ground-Pts3D.xml").getroot().iter("OneAppuisDAF")}
+    marks = {}
+    for image in xml.etree.ElementTree.parse(data / "GroundMeasure.xml").getroot().iter("MesureAppuiFlottant1Im"):
+        for mark in image.iter("OneMesureAF1I"):
+            x, y = (float(v) for v in mark.find("PtIm").text.split())
+            marks[image.find("NameIm").text[4:8], mark.find("NamePt").text] = lens.without_distortion(x, y)
+    return ground, marks
+
+
+def stated_angles(data, number):
+    """omega, phi, kappa of the stated attitude: axes x right, y up, z backwards."""
+    rows, _ = stated_pose(data, number)
+    m = [[rows[0][k], -rows[1][k], -rows[2][k]] for k in range(3)]
+    return [math.degrees(a) for a in (math.atan2(-m[1][2], m[2][2]), math.asin(m[0][2]), math.atan2(-m[0][1], m[0][0]))]
+
+
+def residual_table(rows, keys):
+    table(["image", "point", *keys], [[r.get("image", ""), r["point"], *(r[k] for k in keys)] for r in rows])
+
+
+def wall_marks(program, data, lens, numbers):
+    """Resection of all images from the hand marks, and intersection of these by the stated orientations."""
+    ground, marks = marked_by_hand(data, lens)
+    write_rows(program.out / "wall_ground.txt", "point X[m] Y[m] Z[m]", [[p, *xyz] for p, xyz in ground.items()])
+    write_rows(program.out / "wall_marks.txt", "image point x[px] y[px]", [[*key, *xy] for key, xy in marks.items()])
+    poses = {n: [*stated_pose(data, n)[1], *stated_angles(data, n)] for n in numbers}
+    write_rows(program.out / "wall_stated.txt", "image X[m] Y[m] Z[m] omega[deg] phi[deg] kappa[deg]",
+               [[n, *pose] for n, pose in poses.items()])
+    print("\n" + program.run("resection", "wall_marks.txt", "wall_ground.txt", "--principal-distance", lens.f, "-o",
+                             "wall_resection"))
+    rows = []
+    for r in rows_of(program.out / "wall_resection/orientation.txt"):
+        for k, name in enumerate(("X", "Y", "Z", "omega", "phi", "kappa")):
+            off, sigma = float(r[name]) - poses[r["image"]][k], float(r["sigma_" + name])
+            off -= 360 * round(off / 360) if k > 2 else 0
+            rows.append([r["image"], name, f"{float(r[name]):.3f} ± {sigma:.3f}", f"{off:+.3f}", f"{off / sigma:+.1f}"])
+    table(["image", "element", "by resection [m, °]", "less stated", "in sigmas"], rows)
+    print((program.out / "wall_resection/residuals.txt").read_text())
+    print("\n" + program.run("intersection", "wall_marks.txt", "wall_stated.txt", "--principal-distance", lens.f,
+                             "--ground", "wall_ground.txt", "-o", "wall_intersection"))
+    print((program.out / "wall_intersection/points.txt").read_text())
+    print((program.out / "wall_intersection/residuals.txt").read_text())
+    return ground, marks
+
+
+def wall_absolute(program, block, lens, pair, ground, marks):
+    """The pair with its hand marks on the ground."""
+    common = [p for p in ground if all((n, p) in marks for n in pair)]
+    name = f"wall_marked_{pair[0]}_{pair[1]}"
+    rows = [[point, *xy[pair[0]], *xy[pair[1]], SIGMA_MATCH] for point, xy in pixels_of_ties(block, lens, pair).items()]
+    rows += [[p, *marks[pair[0], p], *marks[pair[1], p], SIGMA_MARK] for p in common]
+    write_rows(program.out / f"{name}.txt", "point x_left[px] y_left[px] x_right[px] y_right[px] sigma[px]", rows)
+    program.run("relative", f"{name}.txt", "--principal-distance", lens.f, "-o", f"{name}_relative")
+    print(f"\n{pair[0]}/{pair[1]}: {', '.join(common)}\n")
+    print(program.run("absolute", f"{name}_relative/model.txt", "wall_ground.txt", "--sigma-ground", SIGMA_GROUND, "-o",
+                      f"{name}_absolute"))
 
 
 def wall(program, data):
@@ -323,6 +391,9 @@ def wall(program, data):
     program.run("orient", "wall", "--calibration", "none", "--progress", "none")
     program.run("adjust", "wall", "--export", "wall_block.txt")
     block = (program.out / "wall_block.txt").read_text()
+    ground, marks = wall_marks(program, data, lens, numbers)
+    for pair in pairs:
+        wall_absolute(program, block, lens, pair, ground, marks)
     rows, bundles = [], []
 
     def add(name, pair, vector):

@@ -6,9 +6,11 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "collinea/dense/internal/pinhole.h"
 #include "collinea/dense/internal/test_scene.h"
+#include "collinea/geometry/rotation.h"
 
 namespace collinea {
 namespace {
@@ -126,6 +128,7 @@ struct PublishedPair {
     double px_mm, base_depth;
   };
   std::array<Row, 4> rows;
+  double phi_deg = 0, kappa_deg = 0, omega_deg = 0;  // of the base
 };
 
 const PublishedPair kVolos{153.353,
@@ -170,7 +173,10 @@ const PublishedPair kVolos{153.353,
                               {98.505827, -106.283172},
                               {7.314513, -106.283172},
                               91.191314,
-                              1.68294817}}}};
+                              1.68294817}}},
+                           0.481273229,
+                           2.187557996,
+                           0.48605};
 
 const PublishedPair kKea{152.52,
                          82.9,
@@ -214,7 +220,10 @@ const PublishedPair kKea{152.52,
                             {107.288260, -99.051647},
                             {18.609007, -99.051647},
                             88.679253,
-                            1.72170883}}}};
+                            1.72170883}}},
+                         0.487002397,
+                         -2.576478882,
+                         0.8451};
 
 // A rotation between photographs (y up, z backward) as one between cameras, and a position of the image [mm].
 Eigen::Matrix3d of_cameras(const std::array<double, 9>& rows) {
@@ -244,6 +253,20 @@ TEST(EpipolarPair, IsThatOfKarfisW9) {
     EXPECT_LT((turn - pair->right_from_image.toRotationMatrix() * of_cameras(published.epipolar_from_right).transpose())
                   .norm(),
               5e-10);
+    // His angles of the base, from ours (camera axes: y down, z forward), and R_b = R_omega R_kappa R_phi of them.
+    const Eigen::Vector3d base = pair->left_from_image.toRotationMatrix().row(0);
+    constexpr double kDegrees = 180 / std::numbers::pi;
+    EXPECT_NEAR(-std::atan(-base.z() / base.x()) * kDegrees, published.phi_deg, 5e-10);
+    EXPECT_NEAR(std::atan(-base.y() / std::hypot(base.x(), base.z())) * kDegrees, published.kappa_deg, 5e-10);
+    const auto about = [&](const Eigen::Vector3d& axis, double deg) { return rotation_by(-deg / kDegrees * axis); };
+    const Eigen::Quaterniond of_angles = about(Eigen::Vector3d::UnitX(), published.omega_deg) *
+                                         about(Eigen::Vector3d::UnitZ(), published.kappa_deg) *
+                                         about(Eigen::Vector3d::UnitY(), published.phi_deg);
+    EXPECT_LT((of_angles.toRotationMatrix() -
+               Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(published.epipolar_from_left.data()))
+                  .cwiseAbs()
+                  .maxCoeff(),
+              1e-10);
     const dense::Pinhole left_pinhole(pair->left), right_pinhole(pair->right);
     for (const PublishedPair::Row& row : published.rows) {
       const double depth = row.depth * published.c_mm / published.base_at_image_mm;

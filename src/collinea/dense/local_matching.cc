@@ -28,6 +28,7 @@ constexpr float kPatchReachPx = 1;
 dense::PixelTerm term_of(Similarity similarity) {
   switch (similarity) {
     case Similarity::kNcc:
+    case Similarity::kCosine:
       return dense::PixelTerm::kProduct;
     case Similarity::kSad:
     case Similarity::kRank:
@@ -41,7 +42,7 @@ dense::PixelTerm term_of(Similarity similarity) {
 
 // Proportional to what the left window leaves unexplained, for the ratio of two disparities.
 double residual_of(Similarity similarity, double cost) {
-  if (similarity == Similarity::kNcc) return cost < 1 ? cost * (2 - cost) : 1;
+  if (is_larger_better(similarity)) return cost < 1 ? cost * (2 - cost) : 1;
   return similarity == Similarity::kSad ? cost * cost : cost;
 }
 
@@ -120,7 +121,7 @@ class LocalBand {
     }
     sum_windows(sums, width);
     const std::size_t left = std::size_t(from), right = std::size_t(from - d);
-    if (options_.similarity == Similarity::kNcc) {
+    if (is_larger_better(options_.similarity)) {
       const auto moments = [&](const dense::LocalMoments& of, std::size_t x) {
         return dense::WindowMoments{of.sum.row(y) + x, of.scale.row(y) + x};
       };

@@ -231,7 +231,7 @@ TEST(LocalMatching, GreyValueZeroIsNothing) {
 // %: four of these. What the parabola adds makes errors larger where there is little noise; bounds of sad are bounds
 // (area_matching.h).
 TEST(LocalMatching, SigmasAreTheErrors) {
-  for (const Similarity similarity : {Similarity::kNcc, Similarity::kSsd, Similarity::kSad})
+  for (const Similarity similarity : {Similarity::kNcc, Similarity::kSsd, Similarity::kSad, Similarity::kCosine})
     for (const double noise : {4.0, 8.0, 12.0}) {
       const TestPair pair{.noise = noise};
       const auto map = matched(pair, similarity);
@@ -260,7 +260,8 @@ TEST(LocalMatching, ThreadsAndVectorsDoNotMatter) {
   const TestPair pair{.at_left = 10, .square = 24, .noise = 3};
   collinea::Run many;
   many.threads = 5;
-  for (const Similarity similarity : {Similarity::kNcc, Similarity::kSsd, Similarity::kSad, Similarity::kCensus}) {
+  for (const Similarity similarity :
+       {Similarity::kNcc, Similarity::kSsd, Similarity::kSad, Similarity::kCensus, Similarity::kCosine}) {
     const auto alone = matched(pair, similarity), shared = matched(pair, similarity, many);
     ASSERT_TRUE(alone && shared);
     EXPECT_TRUE(is_same(*alone, *shared)) << word_of(similarity);

@@ -25,6 +25,8 @@ using Rows5 = Eigen::Matrix<double, 2, 5>;
 using Rows3 = Eigen::Matrix<double, 2, 3>;
 
 constexpr double kSingular = 1e-12, kSettled = 1e-14;
+constexpr double kOpenCalibration = 0.3;  // of the principal distance
+constexpr double kSignificant = 10.8;     // chi-squared of one degree of freedom, 0.1 %
 constexpr Index kCalibration = 5;
 
 // One measurement: what is computed, and its derivatives.
@@ -207,6 +209,73 @@ void add_statistics(std::span<const BundleMark> marks, const MatrixXd& free, con
   }
 }
 
+tl::unexpected<Error> critical_motion() {
+  return fail(Errc::kIllPosed,
+              "the motion is critical: images without rotation, or turned about parallel axes, leave the calibration "
+              "open. Take images in turned attitudes, or state more of the camera");
+}
+
+// The bundles with another principal distance, and the model stretched along the axis of the first camera by as much:
+// of parallel axes all images stay as they are.
+ImageBundles stretched(ImageBundles at, double factor, std::size_t unit_base) {
+  at.calibration.topLeftCorner<2, 2>() *= factor;
+  const Vector3d origin = centre_of(at.cam_from_model[0]),
+                 axis = at.cam_from_model[0].rotation.conjugate() * Vector3d::UnitZ();
+  const auto moved = [&](const Vector3d& point) {
+    return Vector3d(point + (factor - 1) * (point - origin).dot(axis) * axis);
+  };
+  const double base = (moved(centre_of(at.cam_from_model[unit_base])) - origin).norm();
+  const auto placed = [&](const Vector3d& point) { return Vector3d(origin + (moved(point) - origin) / base); };
+  for (Rigid3& pose : at.cam_from_model) pose.translation = -(pose.rotation * placed(centre_of(pose)));
+  for (Vector3d& point : at.points) point = placed(point);
+  return at;
+}
+
+// A calibration that the steps came through, and its sum of squares.
+struct Passed {
+  Matrix3d calibration;
+  double cost = 0;
+};
+
+// Whether the steps went along a valley: through calibrations that differ from the last one by 30 % of its principal
+// distance and fit as well.
+bool is_valley(const std::vector<Passed>& path, double redundancy) {
+  const Passed& last = path.back();
+  const double variance = std::max(1.0, last.cost / std::max(1.0, redundancy));
+  return std::any_of(path.begin(), path.end(), [&](const Passed& one) {
+    const double off = (one.calibration - last.calibration).cwiseAbs().maxCoeff();
+    return off > kOpenCalibration * std::abs(last.calibration(0, 0)) && one.cost < last.cost + kSignificant * variance;
+  });
+}
+
+// Whether a principal distance that is off by 30 % fits as well: by less than a chi-squared of 10.8 (0.1 % of one
+// degree of freedom) times the variance that the fit itself has.
+bool leaves_calibration_open(const ImageBundles& at, std::span<const BundleMark> marks, double cost,
+                             std::size_t unit_base) {
+  for (const double factor : {1 - kOpenCalibration, 1 / (1 - kOpenCalibration)}) {
+    const auto fixed = adjust_bundles(stretched(at, factor, unit_base), marks, CalibrationUnknowns::kNone, unit_base);
+    if (!fixed) continue;
+    const double variance = std::max(1.0, fixed->sigma0 * fixed->sigma0);
+    if (cost_of(fixed->bundles, marks) < cost + kSignificant * variance) return true;
+  }
+  return false;
+}
+
+tl::unexpected<Error> not_settled(const ImageBundles& at, std::span<const BundleMark> marks,
+                                  const std::vector<Passed>& path, Index of_images, CalibrationUnknowns unknowns,
+                                  std::size_t unit_base) {
+  const double redundancy = 2.0 * double(marks.size()) - double(of_images) - 3.0 * double(at.points.size());
+  const bool is_critical =
+      unknowns != CalibrationUnknowns::kNone &&
+      (is_valley(path, redundancy) || leaves_calibration_open(at, marks, path.back().cost, unit_base));
+  if (is_critical) return critical_motion();
+  return fail(
+      Errc::kNotConverged,
+      unknowns == CalibrationUnknowns::kNone
+          ? "the bundles did not converge in 50 steps"
+          : "the bundles did not converge in 50 steps: wrong points, or images hardly turned against each other");
+}
+
 Result<> check(const ImageBundles& start, std::span<const BundleMark> marks, CalibrationUnknowns unknowns,
                std::size_t unit_base) {
   if (start.cam_from_model.size() < 2 || unit_base == 0 || unit_base >= start.cam_from_model.size())
@@ -248,16 +317,15 @@ Result<AdjustedBundles> adjust_bundles(const ImageBundles& start, std::span<cons
   Normals normals = normals_of(out.bundles, marks, free);
   double damping = 0;
   bool is_converged = false;
+  std::vector<Passed> path{{out.bundles.calibration, normals.cost}};
   for (out.iterations = 1; out.iterations <= 50 && !is_converged; ++out.iterations) {
     if (!normals.is_regular)
       return fail(Errc::kIllPosed, "a point lies behind a camera, or its rays are parallel: wrong approximate values");
     const Conditioned conditioned = conditioning_of(normals.reduced);
     if (!(conditioned.ratio > kSingular))
-      return fail(Errc::kIllPosed,
-                  unknowns == CalibrationUnknowns::kNone
-                      ? "the points leave the orientation of the images undetermined"
-                      : "the motion is critical: images without rotation, or turned about parallel axes, leave the "
-                        "calibration open. Take images in turned attitudes, or state more of the camera");
+      return unknowns == CalibrationUnknowns::kNone
+                 ? fail(Errc::kIllPosed, "the points leave the orientation of the images undetermined")
+                 : critical_motion();
     MatrixXd damped = normals.reduced;
     damped.diagonal() *= 1 + damping;
     const VectorXd step = inverse_of(damped, conditioned.scale) * normals.right;
@@ -278,8 +346,9 @@ Result<AdjustedBundles> adjust_bundles(const ImageBundles& start, std::span<cons
     out.bundles = next;
     free = free_parameters(out.bundles, unknowns, unit_base);
     normals = normals_of(out.bundles, marks, free);
+    path.push_back({out.bundles.calibration, normals.cost});
   }
-  if (!is_converged) return fail(Errc::kNotConverged, "the bundles did not converge in 50 steps");
+  if (!is_converged) return not_settled(out.bundles, marks, path, free.cols(), unknowns, unit_base);
   const Conditioned conditioned = conditioning_of(normals.reduced);
   out.conditioning = conditioned.ratio;
   out.redundancy =

@@ -46,6 +46,14 @@ struct RobustOptions {
   return std::ceil(std::log(1 - confidence) / std::log1p(-good));
 }
 
+/// How many different samples there are, size over sample: what a search of all of them would try (least median of
+/// squares without chance). As a double it is exact below 2^53; 0 when there are fewer items than a sample has.
+[[nodiscard]] inline double samples_possible(int size, int sample) {
+  double count = size < sample ? 0 : 1;
+  for (int k = 0; k < sample; ++k) count = count * (size - k) / (k + 1);  // whole after each step
+  return count;
+}
+
 template <class Model>
 struct RobustFit {
   Model model;

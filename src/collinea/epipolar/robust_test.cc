@@ -114,6 +114,17 @@ TEST(Robust, SamplesNeededByBolognesiT3b) {
   EXPECT_EQ(samples_needed(1, 10, 2, 0.99), std::numeric_limits<double>::infinity());
 }
 
+// Mussio D.8: minimal subsets of 15 points for relative orientation (5), of the 20 coordinates of ten points for
+// resection (6) and of the 27 of nine for absolute orientation (7).
+TEST(Robust, SubsetsOfMussioD8) {
+  EXPECT_EQ(samples_possible(15, 5), 3003);
+  EXPECT_EQ(samples_possible(20, 6), 38760);
+  EXPECT_EQ(samples_possible(27, 7), 888030);
+  EXPECT_EQ(samples_possible(4, 5), 0);
+  EXPECT_EQ(samples_possible(5, 5), 1);
+  EXPECT_EQ(samples_possible(60, 30), 118264581564861424.0);
+}
+
 TEST(Robust, SameSeedSameAnswer) {
   Random making(6);
   const LineProblem problem = noisy_line(80, 300, 0.1, making);

@@ -391,13 +391,20 @@ Result<AdjustedBundles> self_calibrated(const ProjectiveModel& model, const Imag
     return fail(Errc::kIllPosed, "self-calibration needs three images: two leave the plane at infinity open");
   if (upgrades.empty()) return fail(Errc::kIllPosed, "no calibration makes the projective cameras Euclidean ones");
   const std::vector<BundleMark> marks = marks_of(measured);
-  Result<AdjustedBundles> best = fail(Errc::kIllPosed, "no Euclidean upgrade has the points in front of the images");
+  Result<AdjustedBundles> best =
+      fail(Errc::kIllPosed,
+           "no Euclidean upgrade has the points in front of the images: wrong points, or images "
+           "so little turned against each other that the noise decides");
+  bool is_adjusted = false;
   for (const EuclideanUpgrade& upgrade : upgrades) {
     if (static_cast<std::size_t>(upgrade.in_front) < upgrade.bundles.points.size()) continue;
     ImageBundles start = upgrade.bundles;
     rescale(start, unit_base);
     Result<AdjustedBundles> found = adjust_bundles(start, marks, unknowns, unit_base);
-    if (!best || (found && found->sigma0 < best->sigma0)) best = std::move(found);
+    // Of errors a critical motion says more than steps that do not settle.
+    const bool says_less = !best && !found && found.error().code == Errc::kNotConverged && is_adjusted;
+    if (!best ? !says_less : found && found->sigma0 < best->sigma0) best = std::move(found);
+    is_adjusted = true;
   }
   return best;
 }

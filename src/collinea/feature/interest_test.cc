@@ -97,12 +97,27 @@ TEST(Interest, HarrisAndShiTomasiOfBolognesiT1) {
 }
 
 // Karfis W4: row 3 of his kernel / 273 is printed 7 16 41 16 7; only with 26 is it a Gaussian (of sigma 1).
+// Karfis W4: the 25 whole numbers are integrals over pixels of the Gaussian of one pixel, here of a window of 99 taps a
+// pixel, times a factor. Any of 280.2 to 282.2 gives them all (7 must not fall below 6.5, 16 not exceed 16.5); their
+// sum is 273. With the misprint, 16 in place of 26, no factor does.
 TEST(Interest, TheWindowIsThatOfKarfisW4) {
-  const double kernel[3][3] = {{41, 26, 7}, {26, 16, 4}, {7, 4, 1}};  // from the middle outwards
-  const std::vector<float> taps = gaussian_window(1, 2);
-  for (std::size_t j = 0; j < 3; ++j)
-    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(taps[i] * taps[j], kernel[j][i] / 273, 0.0125);
-  EXPECT_GT(std::abs(double{taps[0]} * taps[1] - 16.0 / 273), 0.03);
+  const int printed[3][3] = {{41, 26, 7}, {26, 16, 4}, {7, 4, 1}};  // from the middle outwards
+  constexpr int kTaps = 99;
+  const std::vector<float> taps = gaussian_window(kTaps, 6 * kTaps);
+  double integrals[3] = {taps[0], 0, 0};
+  for (int j = 1; j <= kTaps / 2; ++j) integrals[0] += 2 * double{taps[std::size_t(j)]};
+  for (int pixel = 1; pixel < 3; ++pixel)
+    for (int j = -(kTaps / 2); j <= kTaps / 2; ++j) integrals[pixel] += double{taps[std::size_t(pixel * kTaps + j)]};
+  for (const double factor : {280.3, 281.0, 282.0})
+    for (std::size_t j = 0; j < 3; ++j)
+      for (std::size_t i = 0; i < 3; ++i)
+        EXPECT_EQ(std::lround(factor * integrals[i] * integrals[j]), printed[j][i]) << factor;
+  int sum = printed[0][0];
+  for (int i = 1; i < 3; ++i) {
+    sum += 4 * printed[0][i];
+    for (int j = 1; j < 3; ++j) sum += 4 * printed[i][j];
+  }
+  EXPECT_EQ(sum, 273);
 }
 
 TEST(Interest, CurvatureTapsAreASecondDerivative) {

@@ -12,6 +12,7 @@
 #include "collinea/io/text_table.h"
 #include "collinea/jobs/adjust_project.h"
 #include "collinea/jobs/internal/model_findings.h"
+#include "collinea/models/concatenate.h"
 #include "collinea/models/model_tables.h"
 #include "collinea/project/project.h"
 
@@ -47,7 +48,14 @@ Result<std::vector<std::pair<ImageId, ImageId>>> pairs_of(const Block& block, co
   return pairs;
 }
 
-Result<> form_models(const Block& block, const JoinModelsOptions& options, const Run& run, ModelsReport& report) {
+// What models were formed from, for the bundle.
+struct Source {
+  Block block;
+  ModelsOfBlock formed;
+};
+
+Result<> form_models(Source& source, const JoinModelsOptions& options, const Run& run, ModelsReport& report) {
+  const Block& block = source.block;
   if (options.covariances || options.sigma)
     return fail(Errc::kBadInput, "models that are formed from images have the covariances of their orientation",
                 {"covariances"_option, "sigma"_option});
@@ -57,10 +65,10 @@ Result<> form_models(const Block& block, const JoinModelsOptions& options, const
   if (options.pairs) {
     COLLINEA_TRY(pairs, from_table(*options.pairs, [&](const TextTable& table) { return pairs_of(block, table); }));
   }
-  COLLINEA_TRY(ModelsOfBlock formed, models_of_block(block, pairs, choice, true, run));
-  report.models = std::move(formed.models);
-  report.control = std::move(formed.control);
-  report.pairs = std::move(formed.pairs);
+  COLLINEA_TRY(source.formed, models_of_block(block, pairs, choice, true, run));
+  report.models = source.formed.models;
+  report.control = source.formed.control;
+  report.pairs = source.formed.pairs;
   for (const FormedModel& pair : report.pairs)
     report.pair_names.push_back(block.images.at(pair.left).file + " + " + block.images.at(pair.right).file);
   report.model_unit = "";
@@ -70,6 +78,9 @@ Result<> form_models(const Block& block, const JoinModelsOptions& options, const
 Result<> read_models(const fs::path& source, const JoinModelsOptions& options, ModelsReport& report) {
   if (options.pairs)
     return fail(Errc::kBadInput, "pairs of images are for an adjustment file or a project", {"pairs"_option});
+  if (options.bundle)
+    return fail(Errc::kBadInput, "models of a table have no image measurements: there is no bundle of them",
+                {"bundle"_option});
   COLLINEA_TRY(GivenModels given,
                from_table(source, [&](const TextTable& table) { return models_of(table, options.sigma); }));
   if (options.covariances)
@@ -81,16 +92,18 @@ Result<> read_models(const fs::path& source, const JoinModelsOptions& options, M
   return {};
 }
 
-Result<> read_source(const fs::path& source, const JoinModelsOptions& options, const Run& run, ModelsReport& report) {
-  if (fs::is_directory(source)) {
-    COLLINEA_TRY(const Project project, open_project(source, run));
-    COLLINEA_TRY(const Block block, project.store.read_block());
-    return form_models(block, options, run, report);
+Result<> read_source(const fs::path& path, const JoinModelsOptions& options, const Run& run, Source& source,
+                     ModelsReport& report) {
+  if (fs::is_directory(path)) {
+    COLLINEA_TRY(const Project project, open_project(path, run));
+    COLLINEA_TRY(source.block, project.store.read_block());
+    return form_models(source, options, run, report);
   }
-  COLLINEA_TRY(const std::string text, read_file(source));
-  if (!is_adjustment_file(text)) return read_models(source, options, report);
-  COLLINEA_TRY(const FileAdjustment given, read_adjustment(source));
-  return form_models(given.file.block, options, run, report);
+  COLLINEA_TRY(const std::string text, read_file(path));
+  if (!is_adjustment_file(text)) return read_models(path, options, report);
+  COLLINEA_TRY(FileAdjustment given, read_adjustment(path));
+  source.block = std::move(given.file.block);
+  return form_models(source, options, run, report);
 }
 
 // Each model is levelled by its approximate orientation; the result is of the models as they were given.
@@ -128,12 +141,34 @@ Result<> write_tables(const ModelsReport& report, const fs::path& folder) {
   return write_file(folder / "covariances.txt", text_of(formed_covariance_table(report)));
 }
 
+Result<> join(const Source& measured, const JoinModelsOptions& options, const Run& run, ModelsReport& report) {
+  if (options.chain_only) {
+    if (options.anblock || options.bundle)
+      return fail(Errc::kBadInput, "a chain is compared with nothing", {"anblock"_option, "bundle"_option});
+    report.chain_only = true;
+    COLLINEA_TRY(report.block, concatenate_models(report.models, report.control, report.sigmas_known));
+    return {};
+  }
+  JoinOptions how;
+  how.sigmas_known = report.sigmas_known;
+  how.false_alarm = options.false_alarm;
+  COLLINEA_TRY(report.block, join_models(report.models, report.control, how, run));
+  if (options.anblock) add_anblock(run, report);
+  if (options.bundle) {
+    COLLINEA_TRY(report.bundle, bundle_of_models(measured.block, measured.formed, report.control, report.block,
+                                                 report.sigmas_known, run)
+                                    .map_error([](Error e) { return std::move(e).about("bundle"_option); }));
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<ModelsReport> join_models_of(const fs::path& source, const JoinModelsOptions& options, const Run& run) {
   COLLINEA_TRY(validate(options));
   ModelsReport report;
-  COLLINEA_TRY(read_source(source, options, run, report));
+  Source measured;
+  COLLINEA_TRY(read_source(source, options, run, measured, report));
   if (options.control) {
     COLLINEA_TRY(report.control, from_table(*options.control, [&](const TextTable& table) {
                    return surveyed_points_of(table, options.control_sigma_m);
@@ -141,11 +176,7 @@ Result<ModelsReport> join_models_of(const fs::path& source, const JoinModelsOpti
   }
   report.sigmas_known &= !options.estimate_sigma;
   report.false_alarm = options.false_alarm;
-  JoinOptions how;
-  how.sigmas_known = report.sigmas_known;
-  how.false_alarm = options.false_alarm;
-  COLLINEA_TRY(report.block, join_models(report.models, report.control, how, run));
-  if (options.anblock) add_anblock(run, report);
+  COLLINEA_TRY(join(measured, options, run, report));
   report.findings = model_findings(report);
   if (options.out) COLLINEA_TRY(write_tables(report, *options.out));
   return report;

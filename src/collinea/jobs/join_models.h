@@ -18,6 +18,8 @@ struct JoinModelsOptions {
   double control_sigma_m = 0;
   bool estimate_sigma = false;
   bool anblock = false;
+  bool bundle = false;
+  bool chain_only = false;
   double false_alarm = 0.001;
   int most_points = 60;
   std::optional<std::filesystem::path> out = {};
@@ -48,6 +50,12 @@ struct JoinModelsOptions {
                 "multiply standard deviations by sigma0, even where they are given"});
     visit(Field{"anblock", &O::anblock, "",
                 "join the models by cycles of plan and height, too, and compare; they are levelled first"});
+    visit(Field{"bundle", &O::bundle, "",
+                "of images: adjust the bundle of the same measurements, too, and compare coordinates and standard "
+                "deviations; control is needed"});
+    visit(Field{"chain_only", &O::chain_only, "",
+                "concatenate the models, orient the chain by its control, and stop there: no adjustment, but standard "
+                "deviations of the chain"});
     visit(
         Field{"false_alarm", &O::false_alarm, "1", "chance that the test finds a good coordinate suspect", 1e-9, 0.5});
     visit(Field{"most_points", &O::most_points, "1", "of images: points that a model keeps", 6, 1000});

@@ -99,10 +99,12 @@ void by_products(const Cut& cut, CorrelationSurface& surface) {
   }
   const double n = square(cut.size);
   FloatImage& out = surface.values = FloatImage(cut.columns, cut.rows);
-  if (method == Similarity::kNcc) {
+  if (is_larger_better(method)) {
     surface.deviations = out;
-    const auto sums =
-        window_sums(cut.searched, cut.size, cut.columns, cut.rows, stride, [](std::int32_t v) { return v; });
+    const bool is_about_mean = method == Similarity::kNcc;  // else about 0, as if all windows had the mean 0
+    const auto sums = window_sums(cut.searched, cut.size, cut.columns, cut.rows, stride,
+                                  [&](std::int32_t v) { return is_about_mean ? v : 0; });
+    if (!is_about_mean) sum = 0;
     const double spread = n * double(square_sum) - double(sum) * double(sum);
     std::vector<float> row(static_cast<std::size_t>(stride)), deviations(row.size());
     for (int y = 0; y < cut.rows; ++y) {
@@ -174,6 +176,7 @@ GreyImage ranks_of(const Raster<std::uint64_t>& census) {
 double residual_of(Similarity method, double value) {
   switch (method) {
     case Similarity::kNcc:
+    case Similarity::kCosine:
       return value > 0 ? std::max(0.0, 1 - value * value) : 1;
     case Similarity::kSad:
     case Similarity::kD:
@@ -188,6 +191,7 @@ double residual_of(Similarity method, double value) {
 bool passes(const CorrelationSurface& surface, double value, std::optional<double> threshold) {
   if (surface.method == Similarity::kNcc) return value >= threshold.value_or(kLeastCorrelation);
   if (!threshold) return true;
+  if (surface.method == Similarity::kCosine) return value >= *threshold;
   const double n = surface.pixels;
   switch (surface.method) {
     case Similarity::kSsd:
@@ -201,12 +205,12 @@ bool passes(const CorrelationSurface& surface, double value, std::optional<doubl
   }
 }
 
-// The residual sum of squares (of sad: the sum of the absolute residuals) of which the extremum is sought. Of ncc that
-// with the gain at the candidate `pixel`: the correlation itself would move towards windows of more contrast, where the
-// same noise counts less.
+// The residual sum of squares (of sad: the sum of the absolute residuals) of which the extremum is sought. Of ncc and
+// cosine that with the gain at the candidate `pixel`: the correlation itself would move towards windows of more
+// contrast, where the same noise counts less.
 double objective(const CorrelationSurface& surface, const Vector2i& pixel, const Vector2i& at) {
   const double value = surface.values.at(at.x(), at.y()), n = surface.pixels;
-  if (surface.method == Similarity::kNcc) {
+  if (is_larger_better(surface.method)) {
     const double here = surface.deviations.at(at.x(), at.y()), first = surface.deviations.at(pixel.x(), pixel.y());
     return here * here + first * first - 2 * value * here * first;
   }
@@ -237,6 +241,11 @@ bool is_decisive(const CorrelationSurface& surface, const std::vector<AreaCandid
   const double n = surface.pixels;
   double least = kSmallResidual_grey * n;
   if (surface.method == Similarity::kNcc) least = kSmallUncorrelated;
+  if (surface.method == Similarity::kCosine) {
+    const Vector2i at = all[0].pixel - Vector2i(surface.left, surface.top);
+    const double norm = surface.deviations.at(at.x(), at.y());
+    least /= std::max(norm * norm, least);
+  }
   if (surface.method == Similarity::kSad) least *= n;
   if (surface.method == Similarity::kDn) least /= n;
   return all[1].residual > ratio * std::max(all[0].residual, least);

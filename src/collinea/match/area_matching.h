@@ -16,7 +16,7 @@
 namespace collinea {
 
 /// How alike two windows T and S of n pixels are.
-enum class Similarity { kNcc, kSsd, kSad, kRank, kCensus, kD, kDn };
+enum class Similarity { kNcc, kSsd, kSad, kRank, kCensus, kD, kDn, kCosine };
 inline constexpr Word<Similarity> kSimilarityWords[] = {
     {Similarity::kNcc, "ncc",
      "correlation coefficient cov(T, S) / (s_T s_S): -1 to 1, blind to brightness and contrast"},
@@ -26,11 +26,15 @@ inline constexpr Word<Similarity> kSimilarityWords[] = {
     {Similarity::kCensus, "census", "number of neighbours that are darker in one window and not in the other"},
     {Similarity::kD, "d", "root of ssd"},
     {Similarity::kDn, "dn", "root of the mean squared difference"},
+    {Similarity::kCosine, "cosine",
+     "correlation without the means, sum TS / root(sum T^2 sum S^2): 0 to 1, blind to contrast but not to brightness"},
 };
 constexpr std::span<const Word<Similarity>> words(Similarity) { return kSimilarityWords; }
 
-/// Whether larger values are more alike: of the correlation alone.
-[[nodiscard]] constexpr bool is_larger_better(Similarity similarity) { return similarity == Similarity::kNcc; }
+/// Whether larger values are more alike: of the correlations, with and without the means.
+[[nodiscard]] constexpr bool is_larger_better(Similarity similarity) {
+  return similarity == Similarity::kNcc || similarity == Similarity::kCosine;
+}
 
 struct AreaOptions {
   Similarity method = Similarity::kNcc;
@@ -51,11 +55,12 @@ struct AreaOptions {
     visit(Field{"neighbourhood_px", &O::neighbourhood_px, "px",
                 "side of the neighbourhood of rank and census: 3, 5 or 7", 3, 7});
     visit(Field{"threshold", &O::threshold, "",
-                "smallest correlation of ncc (nothing: 0.8); of the others the largest value for each pixel of the "
+                "smallest correlation of ncc (nothing: 0.8) and of cosine (nothing: none); of the others the largest "
+                "value for each pixel of the "
                 "template, of ssd and d that of dn (nothing: none)"});
     visit(Field{"decisive_ratio", &O::decisive_ratio, "",
                 "of several candidates the best is taken when the next has as many times its residual variance "
-                "(ncc: 1 - correlation squared)",
+                "(ncc, cosine: 1 - correlation squared)",
                 1, 1e6});
     visit(Field{"return_px", &O::return_px, "px",
                 "the match, looked for in the left image, must come back so near to the point (forward-backward "
@@ -72,15 +77,16 @@ struct CorrelationSurface {
   int pixels = 0;  ///< of the template
   int left = 0, top = 0;
   FloatImage values;
-  FloatImage deviations;  ///< of ncc: roots of the windows' sums of squares about their means [grey]
+  FloatImage
+      deviations;  ///< of ncc: roots of the windows' sums of squares about their means [grey]; of cosine: about 0
 };
 
 /// Compares the template of `half` pixels to each side of the middle pixel with the windows of `other` whose middles
 /// lie in a square of `range` pixels to each side of `expected`, as far as the image holds them. The correlation of a
-/// constant window is 0. neighbourhood_px: 3, 5 or 7, of rank and census; pixels so near to the border of an image
-/// compare with the nearest in it. Exact whole numbers up to 2^24. Empty when the template does not lie in its image,
-/// or no window in the other. Cost: range^2 half^2 * 16 products and sums, 21 x 21 in 201 x 201 below a millisecond
-/// (ncc, ssd, d, dn).
+/// constant window (of cosine: a black one) is 0. neighbourhood_px: 3, 5 or 7, of rank and census; pixels so near to
+/// the border of an image compare with the nearest in it. Exact whole numbers up to 2^24. Empty when the template does
+/// not lie in its image, or no window in the other. Cost: range^2 half^2 * 16 products and sums, 21 x 21 in 201 x 201
+/// below a millisecond (ncc, cosine, ssd, d, dn).
 [[nodiscard]] CorrelationSurface correlation_surface(const GreyImage& image, const Eigen::Vector2i& middle, int half,
                                                      const GreyImage& other, const Eigen::Vector2i& expected, int range,
                                                      Similarity method, int neighbourhood_px = 5);
@@ -89,8 +95,8 @@ struct CorrelationSurface {
 struct AreaCandidate {
   Eigen::Vector2i pixel;  ///< middle of the window, in the other image
   double value = 0;
-  /// What the template leaves unexplained there: 1 - correlation^2 (1 where the correlation is negative), the ssd, the
-  /// square of sad; rank and census as they are.
+  /// What the template leaves unexplained there: 1 - correlation^2 (1 where the correlation is negative), also of
+  /// cosine, the ssd, the square of sad; rank and census as they are.
   double residual = 0;
 };
 
@@ -101,13 +107,14 @@ struct AreaCandidate {
 
 struct SubpixelPeak {
   Eigen::Vector2d offset_px;  ///< from the middle of the pixel, within one pixel
-  /// Of ncc, ssd, sad, d and dn; nothing for rank and census.
+  /// Of ncc, cosine, ssd, sad, d and dn; nothing for rank and census.
   std::optional<Eigen::Matrix2d> covariance_px2;
 };
 
 /// The extremum of the paraboloid through the nine values round a candidate, by least squares (6 parameters, redundancy
-/// 3). Covariance (docs/theory/area-matching.md): with the residual sum of squares O (ssd; of ncc with the gain at the
-/// candidate) and the Hesse matrix H at its minimum 2 O / (n - 4) H^-1 + O^2 / (6 (n - 4)) H^-2; of sad pi/2 sad/n H^-1
+/// 3). Covariance (docs/theory/area-matching.md): with the residual sum of squares O (ssd; of ncc and cosine with the
+/// gain at the candidate) and the Hesse matrix H at its minimum 2 O / (n - 4) H^-1 + O^2 / (6 (n - 4)) H^-2; of sad
+/// pi/2 sad/n H^-1
 /// + 0.0525 sad^2/n H^-2. It holds for white noise alike in both images, that of sad as a
 /// bound (errors were 0.77 of it); what a paraboloid over whole pixels adds (up
 /// to 0.1 px) no statistics tell. Nothing at the border of the surface or without an extremum within a pixel.

@@ -57,6 +57,34 @@ TEST(AreaMatching, CorrelationOfBolognesiT2) {  // with the window's mean taken 
   EXPECT_NEAR(ncc[2], -0.799777, 1e-6);
 }
 
+TEST(AreaMatching, CorrelationWithoutTheMeansOfBolognesiT2) {  // six digits are printed
+  const auto cosine = values_of(Similarity::kCosine);
+  EXPECT_NEAR(cosine[0], 0.756018, 5e-7);
+  EXPECT_NEAR(cosine[1], 0.837635, 5e-7);
+  EXPECT_NEAR(cosine[2], 0.676227, 5e-7);
+}
+
+// A factor does nothing to it, brightness does: of (10, 20) with (20, 40) it is 1, with (110, 120) that of the angle.
+TEST(AreaMatching, CorrelationWithoutTheMeansIsBlindToContrastAlone) {
+  const GreyImage window = image_with(3, {10, 20, 30, 40, 50, 60, 70, 80, 90});
+  GreyImage doubled = window, brighter = window;
+  double product = 0, own = 0, other = 0;
+  for (std::size_t i = 0; i < window.data.size(); ++i) {
+    doubled.data[i] = static_cast<std::uint8_t>(2 * window.data[i]);
+    brighter.data[i] = static_cast<std::uint8_t>(100 + window.data[i]);
+    product += double(window.data[i]) * brighter.data[i];
+    own += double(window.data[i]) * window.data[i];
+    other += double(brighter.data[i]) * brighter.data[i];
+  }
+  const auto of = [&](const GreyImage& image) {
+    return correlation_surface(window, {1, 1}, 1, image, {1, 1}, 0, Similarity::kCosine).values.at(0, 0);
+  };
+  EXPECT_NEAR(of(doubled), 1, 1e-7);  // single precision
+  EXPECT_NEAR(of(brighter), product / std::sqrt(own * other), 1e-7);
+  EXPECT_LT(of(brighter), 0.97);
+  EXPECT_EQ(of(GreyImage(3, 3, 1, 0)), 0);  // of black there is none
+}
+
 TEST(AreaMatching, ImageDistancesAreRootsOfTheSquaredDifferences) {  // Karfis 4.3.2
   EXPECT_NEAR(values_of(Similarity::kD)[0], std::sqrt(213.0), 1e-5);
   EXPECT_NEAR(values_of(Similarity::kDn)[1], std::sqrt(151.0 / 9), 1e-6);
@@ -123,6 +151,31 @@ TEST(AreaMatching, CorrelationIsBlindToBrightnessAndContrastByKarfisW8) {
   const GreyImage right = image_of(61, 61, [&](const Vector2d& at) { return 0.5 * texture(at) + 60; });
   const auto surface = correlation_surface(left, {30, 30}, 10, right, {30, 30}, 5, Similarity::kNcc);
   EXPECT_GT(surface.values.at(5, 5), 0.999F);
+}
+
+// Karfis W13: rows of olive trees are alike; every tree is a candidate, and none is decisively the best.
+TEST(AreaMatching, ARepetitiveGroveIsAmbiguousInKarfisW13) {
+  const auto grove = [](const Vector2d& at) {
+    const double x = std::remainder(at.x(), 14), y = std::remainder(at.y(), 14);
+    return 160 - 90 * std::exp(-(x * x + y * y) / 18);
+  };
+  const GreyImage left = image_of(121, 121, grove, 2, 1), right = image_of(121, 121, grove, 2, 2);
+  const Vector2d at(60.5, 60.5);
+  const auto found = match_area(left, at, right, at, {});
+  EXPECT_EQ(found.outcome, AreaOutcome::kAmbiguous);
+  EXPECT_GE(found.candidates.size(), 9);  // 81 px hold five trees of 14 px each way, those at the border perhaps not
+  const auto near = match_area(left, at, right, at, {.search_px = 11});  // an expectation better than half a spacing
+  ASSERT_TRUE(near.match);
+  EXPECT_LT((near.match->position_px - at).norm(), 0.2);
+}
+
+// Karfis W13: a homogeneous slab roof shows noise alone, and that of two images has nothing in common: the correlation
+// of 441 pixels has a standard deviation of 0.05, far below what is asked for.
+TEST(AreaMatching, AHomogeneousRoofHasNoCandidateInKarfisW13) {
+  const auto roof = [](const Vector2d&) { return 140.0; };
+  const Vector2d at(60.5, 60.5);
+  const auto found = match_area(image_of(121, 121, roof, 2, 1), at, image_of(121, 121, roof, 2, 2), at, {});
+  EXPECT_EQ(found.outcome, AreaOutcome::kNoCandidate);
 }
 
 TEST(AreaMatching, EveryMethodFindsTheShift) {

@@ -67,6 +67,7 @@ class Means {
 
 struct Part {
   std::map<std::size_t, Similarity3> part_from_model;
+  ChainPart links;
   Means means;
 };
 
@@ -169,8 +170,10 @@ class Concatenation {
   Part grown(std::size_t first) {
     Part part;
     std::map<std::size_t, Hold> holds;  // of open models that share points with the part
-    const auto take = [&](std::size_t m, const Similarity3& part_from_model) {
+    const auto take = [&](const ChainLink& link, const Similarity3& part_from_model) {
+      const std::size_t m = link.model;
       part.part_from_model[m] = part_from_model;
+      part.links.push_back(link);
       part.means.add(models_[m], part_from_model);
       open_[m] = false;
       holds.erase(m);
@@ -182,12 +185,12 @@ class Concatenation {
         if (strength > hold.strength) hold = {strength, m};
       }
     };
-    take(first, {});
+    take({first, {}}, {});
     while (const auto next = strongest(part, holds)) take(next->first, next->second);
     return part;
   }
 
-  [[nodiscard]] std::optional<std::pair<std::size_t, Similarity3>> strongest(
+  [[nodiscard]] std::optional<std::pair<ChainLink, Similarity3>> strongest(
       const Part& part, const std::map<std::size_t, Hold>& holds) const {
     std::vector<std::pair<double, std::size_t>> order;
     for (const auto& [m, hold] : holds) order.emplace_back(-hold.strength, m);
@@ -196,8 +199,9 @@ class Concatenation {
       const Hold& hold = holds.at(m);
       if (hold.strength > 0)
         if (const auto partner_from_model = joined(models_[m], PointsOf(models_[hold.partner])))
-          return std::pair(m, part.part_from_model.at(hold.partner) * *partner_from_model);
-      if (const auto part_from_model = joined(models_[m], part.means)) return std::pair(m, *part_from_model);
+          return std::pair(ChainLink{m, hold.partner}, part.part_from_model.at(hold.partner) * *partner_from_model);
+      if (const auto part_from_model = joined(models_[m], part.means))
+        return std::pair(ChainLink{m, {}}, *part_from_model);
     }
     return std::nullopt;
   }
@@ -224,6 +228,7 @@ struct Ground {
             const Similarity3& ground_from_part) {
     for (const auto& [m, part_from_model] : part.part_from_model)
       chain.ground_from_model[m] = ground_from_part * part_from_model;
+    chain.parts.push_back(part.links);
     Means means;
     for (const auto& [m, unused] : part.part_from_model) means.add(models[m], *chain.ground_from_model[m]);
     for (const auto& [name, position] : means.all())

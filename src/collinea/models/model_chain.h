@@ -27,6 +27,15 @@ struct LeftOutModel {
   int shared = 0;  ///< points in common with what is joined
 };
 
+/// How a model came into its part of the chain.
+struct ChainLink {
+  std::size_t model = 0;               ///< index
+  std::optional<std::size_t> partner;  ///< by the points of this one; nothing: by those of all that were there
+};
+
+/// Models that hang together without control; the first one bears the others.
+using ChainPart = std::vector<ChainLink>;
+
 /// Approximate values of a block: every model's similarity to the ground and all points.
 struct ModelChain {
   std::vector<std::optional<Similarity3>> ground_from_model;  ///< parallel to the models
@@ -34,6 +43,7 @@ struct ModelChain {
   std::vector<LeftOutModel> left_out;
   bool on_ground = false;  ///< false: no control; the frame is that of `reference`
   std::size_t reference = 0;
+  std::vector<ChainPart> parts;  ///< in the order in which they came to the ground; what was left out is in none
 };
 
 /// Concatenates models (Mussio 3.3.5) along the tree of the strongest links: begins with the model that shares most

@@ -386,8 +386,9 @@ TEST(RulesOfThumb, AreThoseOfTheBook) {
   EXPECT_NEAR(value(PlanRule::kManholePlan), std::hypot(0.06, 0.05), 1e-9);
 }
 
-// Images that see a position of the middle of a block, flown in step or with every second strip half a base along.
-int images_that_see(double side_overlap, bool between_strips, bool in_step) {
+// Images that see a position of the middle of a block, so many spacings beside the axis of the middle strip, flown in
+// step or with every second strip half a base along; below an image, or between two, of that strip.
+int images_that_see(double side_overlap, double spacings, bool in_step, bool is_below_image = true) {
   FlightOptions flight = small_flight();
   flight.forward_overlap = 0.6;
   flight.side_overlap = side_overlap;
@@ -403,7 +404,8 @@ int images_that_see(double side_overlap, bool between_strips, bool in_step) {
   if (!in_step)
     for (PlannedImage& image : plan.images)
       if ((image.strip - middle) % 2 != 0) image.centre.x() += plan.base_m / 2;
-  if (between_strips) at.y() += plan.spacing_m / 2;
+  at.y() += spacings * plan.spacing_m;
+  if (!is_below_image) at.x() += plan.base_m / 2;
   MeasurementOptions measurements = small_measurements();
   measurements.points_per_image = 8;
   const auto planned =
@@ -413,13 +415,18 @@ int images_that_see(double side_overlap, bool between_strips, bool in_step) {
 }
 
 // Mussio D.4 (4.3.4): 60 % along the strip. With 20 % across three images see a point in the middle of a strip, six one
-// between strips, five where the strips are not in step; with 60 % across nine, or seven.
+// between strips, five where the strips are not in step. With 60 % across nine, or seven, see one in the middle, and as
+// many one that lies at the extreme of a strip (0.35 of the frame from its axis, where three strips show it still;
+// seven where it lies below an image of the next strip).
 TEST(PlannedBlock, ObservabilityOfMussioD4) {
-  EXPECT_EQ(images_that_see(0.2, false, true), 3);
-  EXPECT_EQ(images_that_see(0.2, true, true), 6);
-  EXPECT_EQ(images_that_see(0.2, true, false), 5);
-  EXPECT_EQ(images_that_see(0.6, false, true), 9);
-  EXPECT_EQ(images_that_see(0.6, false, false), 7);
+  EXPECT_EQ(images_that_see(0.2, 0, true), 3);
+  EXPECT_EQ(images_that_see(0.2, 0.5, true), 6);
+  EXPECT_EQ(images_that_see(0.2, 0.5, false), 5);
+  EXPECT_EQ(images_that_see(0.6, 0, true), 9);
+  EXPECT_EQ(images_that_see(0.6, 0, false), 7);
+  const double extreme = 0.35 / 0.4;
+  EXPECT_EQ(images_that_see(0.6, extreme, true), 9);
+  EXPECT_EQ(images_that_see(0.6, extreme, false, false), 7);
 }
 
 // Karfis R.2, R.3: at c = 153.353 mm and 1 : 6800 the flying height is 1042.8 m and 60 % of 23 cm leave a base of

@@ -286,15 +286,11 @@ TEST(Dithering, KeepsTheMeanOfAShade) {
   for (const auto value : out.data) EXPECT_EQ(value % 51, 0);
 }
 
-// The window that Karfis prints (W4), over 273: his third row must be 7 26 41 26 7 (printed 7 16 41 16 7, which adds up
-// to 253). It is the integral of a Gaussian of 1 px over each pixel; ours is the value at its middle, as in his
-// formula.
-TEST(GaussianFilter, IsTheWindowOfKarfisW4) {
+// Not the integrals over the pixels that Karfis prints (W4): the values of his formula.
+TEST(GaussianFilter, TakesTheGaussianAtTheMiddlesOfPixels) {
   GreyImage image(11, 11);
   image.at(5, 5) = 255;
   const GreyImage out = gaussian_filtered(image, 1, {});
-  const int row[] = {7, 26, 41, 26, 7};
-  for (int x = 0; x < 5; ++x) EXPECT_NEAR(out.at(3 + x, 5), 255 * row[x] / 273.0, 2.8);
   for (int y = 0; y < 11; ++y)
     for (int x = 0; x < 11; ++x) {
       const double g = 255 / (2 * std::numbers::pi) * std::exp(-((x - 5) * (x - 5) + (y - 5) * (y - 5)) / 2.0);

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "collinea/report/findings_text.h"
+#include "collinea/report/internal/bundle_of_models_words.h"
 #include "collinea/report/single_step.h"
 
 namespace collinea {
@@ -71,10 +72,11 @@ std::string counts_text(const ModelsReport& report) {
                                               full, plan, height, check)
                                 : fmt::format("control       none: the frame is that of model {}\n",
                                               report.models[block.chain.reference].name);
-  text += fmt::format(
-      "counts        {} observations, {} unknowns (7 a model, 3 a point, less what is fixed), redundancy {}\n"
-      "adjustment    spatially at once, {} steps\n",
-      block.observations, block.unknowns, block.redundancy(), block.steps);
+  if (!report.chain_only)
+    text += fmt::format(
+        "counts        {} observations, {} unknowns (7 a model, 3 a point, less what is fixed), redundancy {}\n"
+        "adjustment    spatially at once, {} steps\n",
+        block.observations, block.unknowns, block.redundancy(), block.steps);
   std::map<int, int> shown;
   for (const JoinedPoint& point : block.points) ++shown[point.models];
   text += "observability ";
@@ -84,8 +86,23 @@ std::string counts_text(const ModelsReport& report) {
   return text + "\n";
 }
 
+// Of a chain: what its joins leave between the models.
+std::string discrepancies_text(const ModelsReport& report) {
+  const JoinedBlock& block = report.block;
+  std::size_t links = 0, count = 0;
+  for (const ChainPart& part : block.chain.parts) links += part.size() - 1;
+  for (const JoinedPoint& point : block.points) count += point.models > 1 ? std::size_t(point.models) : 0;
+  std::string text = fmt::format("chain         {} join{}, no adjustment\n", links, links == 1 ? "" : "s");
+  if (!std::isfinite(block.sigma0)) return text + "sigma0        none: no point is in two models\n";
+  return text +
+         fmt::format("sigma0        {:.4g} of {} discrepancies of {:.4g} {} (RMS of model minus mean, in space){}\n",
+                     block.sigma0, count, std::sqrt(block.squares / double(count)), report.ground_unit(),
+                     report.sigmas_known ? "" : ": all standard deviations are multiplied by it");
+}
+
 std::string sigma0_text(const ModelsReport& report) {
   const JoinedBlock& block = report.block;
+  if (report.chain_only) return discrepancies_text(report);
   if (block.redundancy() <= 0) return "sigma0        none: nothing is redundant, nothing is checked\n";
   std::string text = fmt::format("sigma0        {:.4g}", block.sigma0);
   if (report.sigma_guessed)
@@ -151,6 +168,13 @@ std::string indented_text(const TextTable& table) {
   return text;
 }
 
+std::string unseen_control_text(const ModelsReport& report) {
+  std::string text;
+  for (const JoinedControl& one : report.block.control)
+    if (!one.seen) text += fmt::format("control {} is in no model\n", report.control[one.index].name);
+  return text;
+}
+
 // What a gross error could hide in (Mussio 4.3.7: a check of redundancy, global and local).
 std::string weak_text(const ModelsReport& report) {
   std::string text;
@@ -169,9 +193,7 @@ std::string weak_text(const ModelsReport& report) {
         "{} of {} model coordinates have a redundancy number below {}: gross errors in them hardly "
         "show\n",
         poor, coordinates, kPoorlyChecked);
-  for (const JoinedControl& one : report.block.control)
-    if (!one.seen) text += fmt::format("control {} is in no model\n", report.control[one.index].name);
-  return text;
+  return text + unseen_control_text(report);
 }
 
 }  // namespace
@@ -191,8 +213,11 @@ std::string models_text(const ModelsReport& report) {
                         report.pairs.size(), std::sqrt(squares / std::max(formed, 1)), rejected);
   }
   text += counts_text(report) + sigma0_text(report) + accuracy_text(report);
+  if (report.bundle) text += bundle_text(report.block, *report.bundle);
   if (!report.block.control.empty())
-    text += "\ncontrol, given minus adjusted\n" + indented_text(joined_control_table(report));
+    text += std::string("\ncontrol, given minus ") + (report.chain_only ? "chain\n" : "adjusted\n") +
+            indented_text(joined_control_table(report));
+  if (report.chain_only) return text + unseen_control_text(report) + findings_text(report.findings);
   const std::vector<Suspect> suspects = suspects_of(report);
   text += fmt::format("\n{} coordinates are suspect (|w| > {:.2f})\n", suspects.size(), report.block.limit);
   for (std::size_t i = 0; i < std::min(kShown, suspects.size()); ++i)
@@ -221,6 +246,7 @@ TextTable joined_point_table(const ModelsReport& report) {
     for (const char* name :
          {"anblock_X", "anblock_Y", "anblock_Z", "anblock_sigma_X", "anblock_sigma_Y", "anblock_sigma_Z"})
       table.columns.push_back({name, unit});
+  if (report.bundle) add_bundle_columns(table);
   for (const JoinedPoint& point : report.block.points) {
     const Vector3d s = sigma_of(point);
     const auto correlation = [&](int a, int b) {
@@ -235,6 +261,7 @@ TextTable joined_point_table(const ModelsReport& report) {
       for (int axis = 0; axis < 3; ++axis) row.push_back(number(other.position[axis], "{:.5f}"));
       for (int axis = 0; axis < 3; ++axis) row.push_back(number(other.sigma[axis], "{:.3g}"));
     }
+    if (report.bundle) add_bundle_fields(point, *report.bundle, row);
     table.rows.push_back(std::move(row));
   }
   return table;

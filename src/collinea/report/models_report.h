@@ -10,6 +10,7 @@
 #include "collinea/models/anblock.h"
 #include "collinea/models/model_block.h"
 #include "collinea/models/models_of_block.h"
+#include "collinea/orient/bundle_of_models.h"
 
 namespace collinea {
 
@@ -24,8 +25,10 @@ struct ModelsReport {
   std::vector<FormedModel> pairs;       ///< where models were formed from images
   std::vector<std::string> pair_names;  ///< parallel
   JoinedBlock block;
+  bool chain_only = false;  ///< `block` is concatenate_models()
   std::optional<Anblock> anblock;
-  std::string anblock_failure;  ///< why there is none, where one was wanted
+  std::string anblock_failure;           ///< why there is none, where one was wanted
+  std::optional<BundleOfModels> bundle;  ///< of the measurements that models were formed from, where it was wanted
   std::vector<Finding> findings;
 
   /// Of coordinates of the block: m, or the models' unit where there is no control.
@@ -35,7 +38,8 @@ struct ModelsReport {
 /// For a terminal: counts, sigma0 and its test, accuracy, control, models, suspects, what is weak or was left out.
 [[nodiscard]] std::string models_text(const ModelsReport& report);
 
-/// point X Y Z sigmas correlations models, and of Anblock where there is one.
+/// point X Y Z sigmas correlations models, and of Anblock and the bundle where there is one; models minus bundle and
+/// the ratio of their sigmas.
 [[nodiscard]] TextTable joined_point_table(const ModelsReport& report);
 /// model X Y Z omega phi kappa scale with sigmas.
 [[nodiscard]] TextTable joined_model_table(const ModelsReport& report);

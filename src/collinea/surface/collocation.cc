@@ -4,9 +4,11 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "collinea/geometry/plane_squares.h"
 #include "collinea/surface/height_interpolation.h"
+#include "collinea/surface/internal/covariance_likelihood.h"
 
 namespace collinea {
 namespace {
@@ -111,6 +113,18 @@ std::pair<HeightCovariance, double> fitted_to(const std::vector<VariogramClass>&
   return {{model, both.y(), range_m, both.x()}, squares_of(both.x(), both.y())};
 }
 
+// The range with the least squares.
+std::pair<HeightCovariance, double> best_of(const std::vector<VariogramClass>& classes, CovarianceModel model,
+                                            double nearest_m, double farthest_m) {
+  std::pair<HeightCovariance, double> best{{}, std::numeric_limits<double>::infinity()};
+  for (int i = 0; i < kRanges; ++i) {
+    const double range_m = nearest_m * std::pow(2 * farthest_m / nearest_m, double(i) / (kRanges - 1));
+    const auto found = fitted_to(classes, model, range_m);
+    if (found.second < best.second) best = found;
+  }
+  return best;
+}
+
 class Collocation : public HeightInterpolation {
  public:
   Collocation(std::span<const HeightPoint> points, const FittedCovariance& fitted, int nearest)
@@ -168,20 +182,26 @@ Result<FittedCovariance> fit_covariance(std::span<const HeightPoint> points, std
   if (!fit_trend(points, fitted)) return fail(Errc::kIllPosed, "the points lie on one line");
   fitted.variogram = variogram(points, fitted);
   const double farthest_m = fitted.variogram.back().distance_m, nearest_m = fitted.variogram.front().distance_m / 5;
-  double least = std::numeric_limits<double>::infinity();
+  double mean_square_m2 = 0;
+  std::vector<double> heights;
+  for (const HeightPoint& point : points) {
+    mean_square_m2 += point.sigma_m * point.sigma_m / double(points.size());
+    heights.push_back(height_less_trend(point, fitted));
+  }
+  double most = std::numeric_limits<double>::infinity(), least = most;
   for (const Word<CovarianceModel>& named : kCovarianceModelWords) {
     if (model && *model != named.value) continue;
-    for (int i = 0; i < kRanges; ++i) {
-      const double range_m = nearest_m * std::pow(2 * farthest_m / nearest_m, double(i) / (kRanges - 1));
-      const auto [covariance, squares] = fitted_to(fitted.variogram, named.value, range_m);
-      if (squares >= least) continue;
-      least = squares;
-      fitted.covariance = covariance;
-    }
+    auto [start, squares] = best_of(fitted.variogram, named.value, nearest_m, farthest_m);
+    start.noise_m2 = std::max(start.noise_m2 - mean_square_m2, 0.0);
+    const LikelyCovariance likely = most_likely(points, heights, start, nearest_m / 5, 4 * farthest_m);
+    // Where there is no likelihood (all on the trend), the variogram decides.
+    const bool is_better = std::isfinite(likely.minus_log_likelihood) ? likely.minus_log_likelihood < most
+                                                                      : !std::isfinite(most) && squares < least;
+    if (!is_better) continue;
+    most = likely.minus_log_likelihood;
+    least = squares;
+    fitted.covariance = likely.covariance;
   }
-  double mean_square_m2 = 0;
-  for (const HeightPoint& point : points) mean_square_m2 += point.sigma_m * point.sigma_m / double(points.size());
-  fitted.covariance.noise_m2 = std::max(fitted.covariance.noise_m2 - mean_square_m2, 0.0);
   return fitted;
 }
 

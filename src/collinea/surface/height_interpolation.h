@@ -70,8 +70,8 @@ struct FittedCovariance {
 
 /// The covariance of heights less the plane that fits them best: variogram in 15 classes up to a third of the extent
 /// (Matheron 1963), for each model the range with the least squares weighted by pairs over the squared value (Cressie
-/// 1985); the best of the three models, or `model`. The points' own sigmas are taken off the noise. Error: fewer than
-/// 30 points, or all on a line.
+/// 1985), from where likelihood decides (Vecchia 1988, given the nearest points): the most likely of the three models,
+/// or `model`. The points' own sigmas are no part of the noise. Error: fewer than 30 points, or all on a line.
 [[nodiscard]] Result<FittedCovariance> fit_covariance(std::span<const HeightPoint> points,
                                                       std::optional<CovarianceModel> model = {});
 

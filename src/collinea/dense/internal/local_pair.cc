@@ -56,7 +56,7 @@ const std::uint8_t* LocalPlanes::row(std::size_t plane, int y) const {
   return of.row(std::clamp(y, 0, of.height - 1));
 }
 
-LocalMoments local_moments(const LocalPlanes& grey, int width, int height, int half_px) {
+LocalMoments local_moments(const LocalPlanes& grey, int width, int height, int half_px, bool is_about_mean) {
   const int side = 2 * half_px + 1, padded = width + 2 * half_px;
   const double pixels = double(side) * side;
   LocalMoments made{{width + kLocalSlack, height}, {width + kLocalSlack, height}};
@@ -75,9 +75,10 @@ LocalMoments local_moments(const LocalPlanes& grey, int width, int height, int h
       square += squares[std::size_t(x)];
       if (x < side - 1) continue;
       const double spread = square - double(sum) * sum / pixels;
-      made.sum.at(x - side + 1, y - half_px) = sum;
+      made.sum.at(x - side + 1, y - half_px) = is_about_mean ? sum : 0;
       // Whole numbers: below half of the least spread there can be is rounding.
-      made.scale.at(x - side + 1, y - half_px) = spread > 0.5 / pixels ? float(1 / std::sqrt(spread)) : 0;
+      made.scale.at(x - side + 1, y - half_px) =
+          spread > 0.5 / pixels ? float(1 / std::sqrt(is_about_mean ? spread : double(square))) : 0;
       sum -= sums[std::size_t(x - side + 1)];
       square -= squares[std::size_t(x - side + 1)];
     }
@@ -94,10 +95,10 @@ LocalPair::LocalPair(const GreyImage& left_image, const GreyImage& right_image, 
       right_planes(right, similarity, half, neighbourhood_px, run) {
   const auto moments = [&](const GreyImage& image) {
     return local_moments(LocalPlanes(image, Similarity::kNcc, half, neighbourhood_px, run), image.width, image.height,
-                         half);
+                         half, similarity != Similarity::kCosine);
   };
   left_moments = moments(left);
-  if (similarity == Similarity::kNcc) right_moments = moments(right);
+  if (is_larger_better(similarity)) right_moments = moments(right);
 }
 
 }  // namespace collinea::dense

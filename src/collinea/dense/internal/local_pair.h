@@ -26,12 +26,14 @@ class LocalPlanes {
 };
 
 /// Sums of the grey values of the windows round all pixels, and 1 / root of their sums of squared deviations (0:
-/// constant). Rows are kLocalSlack longer than those of the image.
+/// constant); not about the mean: sums of 0, and 1 / root of the sums of squares, where they are not constant. Rows are
+/// kLocalSlack longer than those of the image.
 struct LocalMoments {
   Raster<std::int32_t> sum;
   FloatImage scale;
 };
-[[nodiscard]] LocalMoments local_moments(const LocalPlanes& grey, int width, int height, int half_px);
+[[nodiscard]] LocalMoments local_moments(const LocalPlanes& grey, int width, int height, int half_px,
+                                         bool is_about_mean);
 
 /// Both images made ready for one similarity. The images must outlive it.
 struct LocalPair {
@@ -41,7 +43,7 @@ struct LocalPair {
   const GreyImage &left, &right;
   int half;
   LocalPlanes left_planes, right_planes;
-  LocalMoments left_moments, right_moments;  ///< the latter of ncc alone
+  LocalMoments left_moments, right_moments;  ///< the latter of ncc and cosine alone
 };
 
 }  // namespace collinea::dense
