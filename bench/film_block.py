@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Do check points of a block of film lie within what its adjustment predicts?
 
-usage: bench/film_block.py --collinea PROGRAM --work DIR [--seeds N ...] [--scan-um UM] [--local-um UM] [--control N] [--threads N]
+usage: bench/film_block.py --collinea PROGRAM --work DIR [--seeds N ...] [--scan-um UM] [--local-um UM] [--control N] [--check N]
+                           [--threads N]
 Renders 3 strips of 6 scans of film (`simulate --film`), maps them to the adjustment (`run --film`) with --control control points, and
-prints for each seed the root mean square of the errors of 12 check points (surveyed to 1 cm), what was predicted,
+prints for each seed the root mean square of the errors of check points (surveyed to 1 cm), what was predicted,
 and the share of them whose error lies within the 95 % ellipsoid (chi-squared of three degrees of freedom, 7.815).
 """
 import argparse
@@ -47,7 +48,7 @@ def one_seed(asked, seed):
 
     if not (block / "control.csv").exists():
         call("simulate", block, "--film", "--scan-um", asked.scan_um, "--film-local-um", asked.local_um, "--seed", seed,
-             "--control-points", asked.control)
+             "--control-points", asked.control, "--check-points", asked.check)
     call("run", block / "images", "-o", project, "--film", block / "film_calibration.txt", "--control", block / "control.csv", "--until",
          "adjust")
     marks = json.loads((project / "adjustment" / "adjustment.json").read_text())["control_points"]
@@ -74,6 +75,7 @@ def main():
     parser.add_argument("--scan-um", type=float, default=60)
     parser.add_argument("--local-um", type=float, default=4)
     parser.add_argument("--control", type=int, default=12)
+    parser.add_argument("--check", type=int, default=100)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--keep", action="store_true", help="leave the scans, and take those that an earlier run left")
     asked = parser.parse_args()

@@ -201,6 +201,13 @@ Result<Adjustment> adjust_block(AdjustmentTask task, const AdjustmentOptions& as
     done.mismatches = std::move(clean.found);
   }
   ExamineOptions options = task.options;
+  const bool has_loss = options.adjust.loss != Loss::kNone;
+  if (asked.weigh_ties.value_or(film_takes_part(done.block) && !has_loss)) {
+    if (has_loss)
+      return fail(Errc::kBadInput, "tie points weigh by their errors, or by a loss: not by both",
+                  {"weigh_ties"_option, {.name = "loss", .value = "none"}});
+    COLLINEA_TRY(done.tie_weights, weigh_ties(done.block, done.scope, options.adjust, run));
+  }
   if (film_takes_part(done.block)) {
     COLLINEA_TRY(done.film, estimate_film(done.block, done.scope, options, run));
   }

@@ -11,6 +11,7 @@
 #include "collinea/quality/mismatches.h"
 #include "collinea/quality/residual_tests.h"
 #include "collinea/quality/snooping.h"
+#include "collinea/quality/tie_weights.h"
 #include "collinea/quality/variance_components.h"
 
 namespace collinea {
@@ -34,15 +35,16 @@ struct OtherCheckRays {
 
 /// An adjusted block and all that is known of it.
 struct Adjustment {
-  Block block;                           ///< as adjusted, with the sigmas that were used
-  Examined adjusted;                     ///< with covariances and reliability
-  AdjustScope scope;                     ///< of that
-  InstrumentOptions instruments;         ///< that took part, with those that were taken up
-  std::vector<Finding> taken_up;         ///< systematic errors that are estimated without having been asked for
-  std::optional<Refracted> refracted;    ///< when measurements were corrected for refraction
-  std::optional<Mismatches> mismatches;  ///< of tie points, when they were rejected
-  std::optional<Snooped> snooped;        ///< when gross errors were rejected; its `adjusted` may have been moved
-  std::optional<FilmEstimate> film;      ///< the deformation of scans of film
+  Block block;                            ///< as adjusted, with the sigmas that were used
+  Examined adjusted;                      ///< with covariances and reliability
+  AdjustScope scope;                      ///< of that
+  InstrumentOptions instruments;          ///< that took part, with those that were taken up
+  std::vector<Finding> taken_up;          ///< systematic errors that are estimated without having been asked for
+  std::optional<Refracted> refracted;     ///< when measurements were corrected for refraction
+  std::optional<Mismatches> mismatches;   ///< of tie points, when they were rejected
+  std::optional<TieWeights> tie_weights;  ///< when tie points weigh by their errors
+  std::optional<Snooped> snooped;         ///< when gross errors were rejected; its `adjusted` may have been moved
+  std::optional<FilmEstimate> film;       ///< the deformation of scans of film
   std::optional<VarianceComponents> components;    ///< when they were estimated and applied
   std::vector<AdditionalTest> additional;          ///< of cameras with additional parameters
   double additional_level = 0;                     ///< of their tests

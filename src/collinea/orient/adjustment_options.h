@@ -48,6 +48,7 @@ struct AdjustmentOptions {
   std::optional<double> deflection_north_arcsec, deflection_east_arcsec;
   std::optional<Loss::Kind> loss, position_loss;
   double loss_scale_sigmas = 2;
+  std::optional<bool> weigh_ties;
   bool use_positions = true;
   bool use_control = true;
   bool use_geodetic = true;
@@ -96,6 +97,9 @@ struct AdjustmentOptions {
         "that of tie points where it is given, or huber"));
     visit(
         Field{"loss_scale_sigmas", &O::loss_scale_sigmas, "sigma", "residual from which the loss sets in", 0.01, 1e6});
+    visit(Field{"weigh_ties", &O::weigh_ties, "",
+                "weigh every measurement of a tie point by its own error, as Student's distribution of all of them has "
+                "it (yes, and if not given of film), instead of alike (no); without a loss"});
     visit(Field{"use_positions", &O::use_positions, "", "use the positions of images where orient did"});
     visit(Field{"use_control", &O::use_control, "",
                 "use control points where orient did; otherwise they are all check points"});

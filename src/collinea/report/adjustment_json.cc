@@ -274,6 +274,10 @@ std::string adjustment_json(const AdjustmentReport& report) {
                        {"wrong", report.mismatches->wrong.size()},
                        {"with_them", report.mismatches->with_them.size()},
                        {"expected_good", number(report.mismatches->expected_good)}};
+  if (const auto& weights = report.tie_weights)
+    j["tie_weights"] = {{"scale_sigmas", weights->scale}, {"degrees_of_freedom", number(weights->degrees_of_freedom)},
+                        {"least", weights->least},        {"lower_quartile", weights->lower_quartile},
+                        {"adjustments", weights->rounds}, {"converged", weights->converged}};
   if (report.snooped) j["snooping"] = snooping_json(report);
   return j.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
 }

@@ -45,6 +45,14 @@ std::vector<std::string> notes_of(const AdjustmentReport& report) {
   if (const auto& found = report.mismatches; found && found->size() > 0)
     notes.push_back(fmt::format("{} of {} measurements of tie points are mismatches and rejected, {} others with them",
                                 found->wrong.size(), found->tested, found->with_them.size()));
+  if (const auto& weights = report.tie_weights)
+    notes.push_back(
+        std::isinf(weights->degrees_of_freedom)
+            ? "tie points weigh alike: their errors are normal, or too few"
+            : fmt::format("tie points weigh by their errors (Student's distribution, {:.1f} degrees of freedom, scale "
+                          "{:.2f} of the standard deviations before): a quarter of them {:.2f} and less{}",
+                          weights->degrees_of_freedom, weights->scale, weights->lower_quartile,
+                          weights->converged ? "" : "; the weights have not settled"));
   if (!report.datum_points.empty() && report.adjusted.rank_defect == 0)
     notes.push_back("datum points " + datum_points_words(report));
   if (report.snooped) add_rejected(*report.snooped, notes);
