@@ -225,7 +225,7 @@ std::optional<MarkModel> learnt_mark(const GreyImage& scan, const Vector2d& poin
   Vector2d centre = symmetric_centre(scan, pointed, half);
   if (!fits(centre)) centre = pointed;
   const int left = int(std::floor(centre.x())) - half, top = int(std::floor(centre.y())) - half;
-  MarkTemplate drawing{FloatImage(2 * half + 1, 2 * half + 1), 1, centre - Vector2d(left, top)};
+  MarkTemplate drawing{FloatImage(2 * half + 1, 2 * half + 1), 1, 0, centre - Vector2d(left, top)};
   float low = 255, high = 0;
   for (int y = 0; y < drawing.values.height; ++y)
     for (int x = 0; x < drawing.values.width; ++x) {
@@ -251,23 +251,78 @@ FilmTransformation predicted_scan(const FilmCalibration& calibration, int width_
 
 namespace {
 
-// The chosen candidates, matched with the rotation that all of them together have.
+// The tone of a scan before its marks are seen: between linear grey values and the power 2.2 of common scanners.
+constexpr double kTone = 1.5, kToneSigma = 1.0, kLeastTone = -2, kMostTone = 5;
+
+struct Tone {
+  double value = kTone, sigma = kToneSigma, information = 1 / (kToneSigma * kToneSigma);
+};
+
+// Marks that were chosen, with their drawings.
+struct Chosen {
+  std::size_t mark;
+  FoundMark found;
+};
+
+void match_all(const GreyImage& scan, const std::vector<MarkModel>& models, const MarkPrior& prior, const Run& run,
+               std::vector<Chosen>& marks) {
+  parallel_for(run, marks.size(), [&](std::size_t i) {
+    MarkPrior known = prior;
+    known.blur_px = marks[i].found.blur_px;
+    if (const auto again = match_mark(scan, models[marks[i].mark], marks[i].found.pixel, known))
+      marks[i].found = *again;
+  });
+}
+
+// The tone of a scan from all its marks together: the one by which the squares of all their residuals are least. Steps
+// of Newton's, each with all marks matched anew.
+Tone tone_of(const GreyImage& scan, const std::vector<MarkModel>& models, MarkPrior prior, const Run& run,
+             std::vector<Chosen>& marks) {
+  Tone tone;
+  for (int round = 0; round < 12; ++round) {
+    prior.tone = tone.value;
+    match_all(scan, models, prior, run, marks);
+    const double known = 1 / (kToneSigma * kToneSigma);
+    double slope = known * (kTone - tone.value), information = known, variance = known;
+    for (const Chosen& one : marks) {
+      slope += one.found.tone.slope;
+      information += one.found.tone.information;
+      variance += one.found.tone.variance;
+    }
+    // Shorter when they go to and fro.
+    const double step = std::clamp(slope / information, -0.5, 0.5) * (round < 5 ? 1 : 0.5);
+    tone = {std::clamp(tone.value + step, kLeastTone, kMostTone), std::sqrt(variance) / information, information};
+    if (std::abs(step) < 0.05 * tone.sigma) break;
+  }
+  return tone;
+}
+
+// The chosen candidates, matched with the rotation and the tone that all of them together have.
 std::vector<FoundFiducial> matched_again(const GreyImage& scan, const FilmCalibration& calibration,
                                          const std::vector<const Candidate*>& chosen,
-                                         const std::vector<MarkModel>& models, const FilmTransformation& near) {
+                                         const std::vector<MarkModel>& models, const FilmTransformation& near,
+                                         bool is_drawn, const Run& run) {
   std::vector<FilmMark> marks;
+  std::vector<Chosen> found;
   for (const Candidate* one : chosen)
-    if (one) marks.push_back({"", calibration.marks[one->mark].film_mm, one->found.pixel});
+    if (one) {
+      marks.push_back({"", calibration.marks[one->mark].film_mm, one->found.pixel});
+      found.push_back({one->mark, one->found});
+    }
   if (marks.size() < 3) return {};
   const auto fit = fit_film(marks, FilmModel::kSimilarity, {.reject_misread = false});
   if (!fit) return {};
   const double rotation = std::remainder(fit->transformation.parameters[2] - near.parameters[2], 2 * std::numbers::pi);
-  std::vector<FoundFiducial> out;
-  for (const Candidate* one : chosen) {
-    if (!one) continue;
-    const auto again = match_mark(scan, models[one->mark], one->found.pixel, {rotation, 0.001, 0.03, 0.001});
-    out.push_back({calibration.marks[one->mark].name, again ? *again : one->found});
+  MarkPrior prior{rotation, 0.001, 0.03, 0.001};
+  if (is_drawn) {
+    const Tone tone = tone_of(scan, models, prior, run, found);
+    prior.tone = tone.value;
+    prior.sigma_tone = tone.sigma;
+    prior.tone_information = tone.information;
   }
+  match_all(scan, models, prior, run, found);
+  std::vector<FoundFiducial> out;
+  for (const Chosen& one : found) out.push_back({calibration.marks[one.mark].name, one.found});
   return out;
 }
 
@@ -302,7 +357,7 @@ std::vector<FoundFiducial> find_fiducials(const GreyImage& scan, const FilmCalib
       auto agreed = agreeing(*t, calibration, candidates);
       if (agreed.first > best.first) best = std::move(agreed);
     }
-  return matched_again(scan, calibration, best.second, models, near);
+  return matched_again(scan, calibration, best.second, models, near, !search.learnt, run);
 }
 
 }  // namespace collinea
