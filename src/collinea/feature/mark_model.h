@@ -32,10 +32,4 @@ struct MarkModel {
 /// have one. Drawn as pixels gather it, at blurs from 0.4 to 2.6 px.
 [[nodiscard]] MarkModel drawn_mark(MarkKind kind, double size_px, double line_px, double inwards_rad);
 
-/// The mark at a position that somebody pointed to, as a template for others like it. Where the pixels are the same
-/// turned by 180 degrees about a position nearby, that is the mark (to a tenth of a pixel); else the position itself
-/// is. Nothing when the square of `size_px` leaves the scan, or holds one grey value only.
-[[nodiscard]] std::optional<MarkModel> learnt_mark(const GreyImage& scan, const Eigen::Vector2d& pointed,
-                                                   double size_px);
-
 }  // namespace collinea
