@@ -4,9 +4,11 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
+
+#include "collinea/feature/internal/mark_drawings.h"
+#include "collinea/feature/internal/mark_tone.h"
 
 namespace collinea {
 namespace {
@@ -14,143 +16,16 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
-constexpr double kSpacing = 0.25;  // of drawn templates [px]
-constexpr double kBlurs_px[] = {0.5, 0.7, 0.95, 1.25, 1.6, 2.05, 2.6};
-
-// Whether a position, from the mark and along its axis, lies on the drawing.
-bool is_drawn(MarkKind kind, const Vector2d& at, double size, double line) {
-  const double r = at.norm(), half = size / 2;
-  switch (kind) {
-    case MarkKind::kCross:
-      return std::max(std::abs(at.x()), std::abs(at.y())) <= half &&
-             std::min(std::abs(at.x()), std::abs(at.y())) <= line / 2;
-    case MarkKind::kDot:
-      return r <= half;
-    case MarkKind::kRing:
-      return r <= half && r >= half - line;
-    case MarkKind::kCorner: {
-      // Arms at 45 degrees to both sides of the axis; the mark is where their middle lines meet.
-      const double u = (at.x() + at.y()) / std::sqrt(2.0), v = (at.x() - at.y()) / std::sqrt(2.0);
-      return u >= -line / 2 && v >= -line / 2 && std::max(u, v) <= half && std::min(u, v) <= line / 2;
-    }
-    case MarkKind::kNotch:
-      return at.x() >= std::min(std::abs(at.y()), half);
-  }
-  return false;
-}
-
-// Shares of lattice cells that the drawing covers. Cells whose corners and middle agree lie within or without: no line
-// is narrower than two cells.
-FloatImage coverage(MarkKind kind, double size, double line, double inwards, int half_cells) {
-  const int width = 2 * half_cells + 1;
-  constexpr int kFiner = 16;
-  FloatImage image(width, width);
-  const double c = std::cos(inwards), s = std::sin(inwards);
-  const auto is_bright = [&](double x, double y) {
-    const double u = kSpacing * (x - half_cells - 0.5), v = kSpacing * (y - half_cells - 0.5);
-    return is_drawn(kind, {c * u + s * v, -s * u + c * v}, size, line);
-  };
-  const bool has_wide_lines = line >= 2 * kSpacing;
-  for (int y = 0; y < width; ++y)
-    for (int x = 0; x < width; ++x) {
-      const int agree = is_bright(x, y) + is_bright(x + 1, y) + is_bright(x, y + 1) + is_bright(x + 1, y + 1) +
-                        is_bright(x + 0.5, y + 0.5);
-      if (has_wide_lines && agree % 5 == 0) {
-        image.at(x, y) = agree == 0 ? 0.0F : 1.0F;
-        continue;
-      }
-      int drawn = 0;
-      for (int k = 0; k < kFiner * kFiner; ++k) {
-        // A lattice that is turned: edges along the cells or their diagonals cross it at 256 positions, not at 16; and
-        // of an even number, so that edges through the middle of the mark meet none of its points.
-        const double i = k % kFiner + 0.5, j = k / kFiner + 0.5;
-        drawn +=
-            is_bright(x + (i + (j - kFiner / 2.0) / kFiner) / kFiner, y + (j - (i - kFiner / 2.0) / kFiner) / kFiner);
-      }
-      image.at(x, y) = float(drawn) / float(kFiner * kFiner);
-    }
-  return image;
-}
-
-FloatImage transposed(const FloatImage& image) {
-  FloatImage out(image.height, image.width);
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) out.at(y, x) = image.at(x, y);
-  return out;
-}
-
-FloatImage blurred_along_rows(const FloatImage& image, double sigma) {
-  const int reach = int(std::ceil(3.5 * sigma));
-  std::vector<float> kernel;
-  float sum = 0;
-  for (int k = -reach; k <= reach; ++k) {
-    kernel.push_back(float(std::exp(-0.5 * k * k / (sigma * sigma))));
-    sum += kernel.back();
-  }
-  FloatImage out(image.width, image.height);
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) {
-      float value = 0;
-      for (int k = -reach; k <= reach; ++k)
-        value += kernel[std::size_t(k + reach)] * image.at(std::clamp(x + k, 0, image.width - 1), y);
-      out.at(x, y) = value / sum;
-    }
-  return out;
-}
-
-FloatImage blurred(const FloatImage& image, double sigma) {
-  return transposed(blurred_along_rows(transposed(blurred_along_rows(image, sigma)), sigma));
-}
-
-struct Sample {
-  double value = 0;
-  Vector2d gradient;  // by the position in pixels of the raster
-};
-
-// Weights of four neighbours by Catmull and Rom's cubic at t in [0, 1), and their derivatives.
-void cubic(double t, std::array<double, 4>& weight, std::array<double, 4>& slope) {
-  const double t2 = t * t, t3 = t2 * t;
-  weight = {(-t3 + 2 * t2 - t) / 2, (3 * t3 - 5 * t2 + 2) / 2, (-3 * t3 + 4 * t2 + t) / 2, (t3 - t2) / 2};
-  slope = {(-3 * t2 + 4 * t - 1) / 2, (9 * t2 - 10 * t) / 2, (-9 * t2 + 8 * t + 1) / 2, (3 * t2 - 2 * t) / 2};
-}
-
-// Nothing within a cell and a half of the border.
-std::optional<Sample> sample(const FloatImage& image, const Vector2d& at) {
-  const double x = at.x() - 0.5, y = at.y() - 0.5;
-  if (!(x >= 1 && y >= 1 && x < image.width - 2 && y < image.height - 2)) return std::nullopt;
-  const int x0 = int(x), y0 = int(y);
-  std::array<double, 4> wx, wy, sx, sy;
-  cubic(x - x0, wx, sx);
-  cubic(y - y0, wy, sy);
-  Sample out{0, Vector2d::Zero()};
-  for (std::size_t j = 0; j < 4; ++j) {
-    const float* row = image.row(y0 - 1 + int(j)) + x0 - 1;
-    double value = 0, slope = 0;
-    for (std::size_t i = 0; i < 4; ++i) {
-      value += wx[i] * double(row[i]);
-      slope += sx[i] * double(row[i]);
-    }
-    out.value += wy[j] * value;
-    out.gradient += Vector2d(wy[j] * slope, sy[j] * value);
-  }
-  return out;
-}
-
-// A drawing at two widths of blur, to be mixed; `wider` is missing where there is one only.
-struct Blend {
-  const MarkTemplate* narrower = nullptr;
-  const MarkTemplate* wider = nullptr;
-};
-
-// Unknowns of a match: where the mark is, its map template = warp (pixel - centre), gain and offset, and the share of
-// the wider drawing.
+// Unknowns of a match: where the mark is, its map template = warp (pixel - centre), gain and offset, and the square of
+// its blur.
 struct Placement {
   Vector2d centre;
   Matrix2d warp = Matrix2d::Identity();
-  double gain = 0, offset = 0, wider = 0;
+  double gain = 0, offset = 0, blur_px2 = 0;
+  double tone = 1;  // not among them
 };
 
-constexpr int kUnknowns = 9;  // shift x, y; warp by rows; gain, offset; wider
+constexpr int kUnknowns = 9;  // shift x, y; warp by rows; gain, offset; blur
 using Row = Eigen::Matrix<double, kUnknowns, 1>;
 using Normals = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
@@ -158,7 +33,7 @@ using Normals = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 struct Window {
   int left = 0, top = 0, width = 0;
   std::vector<Row> rows;
-  std::vector<double> residuals;
+  std::vector<double> residuals, shares;  // shares: the drawing between 0 and 1
   std::vector<char> is_there;
   int count = 0;
   double squares = 0;
@@ -177,32 +52,30 @@ std::optional<Window> window_about(const GreyImage& scan, const MarkTemplate& dr
   return w;
 }
 
-void fill(Window& w, const GreyImage& scan, const Blend& blend, const Placement& at) {
-  const MarkTemplate& drawing = *blend.narrower;
+void fill(Window& w, const GreyImage& scan, const Drawings& drawings, const Placement& at) {
+  const MarkTemplate& drawing = drawings.middle();
   const auto n = std::size_t(w.width) * std::size_t(w.width);
   w.rows.assign(n, Row::Zero());
   w.residuals.assign(n, 0);
+  w.shares.assign(n, 0);
   w.is_there.assign(n, 0);
   w.count = 0;
   w.squares = 0;
+  const ToneCurve curve(at.gain, at.offset, at.tone);
+  const Mixture mixture = mixture_at(drawings, at.blur_px2);
   for (int y = 0; y < w.width; ++y)
     for (int x = 0; x < w.width; ++x) {
       const Vector2d d = Vector2d(w.left + x + 0.5, w.top + y + 0.5) - at.centre;
       const Vector2d on_drawing = drawing.centre + at.warp * d / drawing.spacing_px;
-      auto s = sample(drawing.values, on_drawing);
+      const auto s = sample(drawings, mixture, on_drawing);
       if (!s) continue;
-      double by_wider = 0;
-      if (blend.wider) {
-        const auto other = sample(blend.wider->values, on_drawing);
-        by_wider = other->value - s->value;
-        s->value += at.wider * by_wider;
-        s->gradient += at.wider * (other->gradient - s->gradient);
-      }
       const auto i = std::size_t(y) * std::size_t(w.width) + std::size_t(x);
-      const Vector2d g = at.gain * s->gradient / drawing.spacing_px, by_centre = -at.warp.transpose() * g;
-      w.rows[i] << by_centre, g.x() * d.x(), g.x() * d.y(), g.y() * d.x(), g.y() * d.y(), s->value, 1,
-          at.gain * by_wider;
-      w.residuals[i] = double(scan.at(w.left + x, w.top + y)) - at.gain * s->value - at.offset;
+      const TonedGrey toned = curve.at(s->value);
+      const Vector2d g = toned.by_share * s->gradient / drawing.spacing_px, by_centre = -at.warp.transpose() * g;
+      w.rows[i] << by_centre, g.x() * d.x(), g.x() * d.y(), g.y() * d.x(), g.y() * d.y(), toned.by_gain,
+          toned.by_offset, toned.by_share * s->by_blur;
+      w.residuals[i] = double(scan.at(w.left + x, w.top + y)) - toned.grey;
+      w.shares[i] = s->value;
       w.is_there[i] = 1;
       w.squares += w.residuals[i] * w.residuals[i];
       ++w.count;
@@ -215,7 +88,7 @@ struct Prior {
   Normals normals = Normals::Zero();
   Row right = Row::Zero();
 };
-Prior prior_of(const Placement& at, double variance, const MarkPrior& known) {
+Prior prior_of(const Drawings& drawings, const Placement& at, double variance, const MarkPrior& known) {
   const Matrix2d& warp = at.warp;
   Prior out;
   const auto prior = [&](const Eigen::Vector4d& by, double value, double sigma) {
@@ -228,15 +101,18 @@ Prior prior_of(const Placement& at, double variance, const MarkPrior& known) {
   prior({0, -0.5, 0.5, 0}, (c - b) / 2 + std::sin(known.rotation_rad), known.sigma_rotation_rad);
   prior({0.5, 0, 0, -0.5}, (a - d) / 2, known.sigma_affinity);
   prior({0, 0.5, 0.5, 0}, (c + b) / 2, known.sigma_affinity);
-  out.normals(8, 8) += variance;
-  out.right[8] -= variance * (at.wider - 0.5);
+  // The blur lies about the middle drawing; of a single one it is no unknown.
+  const double spread = drawings.count < 3 ? 1 : (drawings.blur_px2(2) - drawings.blur_px2(0)) / 2;
+  const double middle = drawings.count < 3 ? at.blur_px2 : drawings.blur_px2(1);
+  out.normals(8, 8) += variance / (spread * spread);
+  out.right[8] -= variance / (spread * spread) * (at.blur_px2 - middle);
   return out;
 }
 
 // Gain and offset that fit the template at a position best.
-bool fit_grey(Window& w, const GreyImage& scan, const Blend& blend, Placement& at) {
+bool fit_grey(Window& w, const GreyImage& scan, const Drawings& drawings, Placement& at) {
   at.gain = at.offset = 0;
-  fill(w, scan, blend, at);
+  fill(w, scan, drawings, at);
   Matrix2d normals = Matrix2d::Zero();
   Vector2d right = Vector2d::Zero();
   for (std::size_t i = 0; i < w.rows.size(); ++i)
@@ -254,18 +130,20 @@ bool fit_grey(Window& w, const GreyImage& scan, const Blend& blend, Placement& a
 }
 
 // The products J(p)' J(p + d) and r(p) r(p + d) of neighbours at a distance d, in both directions.
+using RowWithTone = Eigen::Matrix<double, kUnknowns + 1, 1>;  // derivatives by the unknowns and by the tone
+using WithTone = Eigen::Matrix<double, kUnknowns + 1, kUnknowns + 1>;
 struct Neighbours {
-  Normals pairs = Normals::Zero();
+  WithTone pairs = WithTone::Zero();
   double covariance = 0;
 };
-Neighbours neighbours_at(const Window& w, int dx, int dy) {
+Neighbours neighbours_at(const Window& w, const std::vector<RowWithTone>& rows, int dx, int dy) {
   Neighbours out;
   long count = 0;
   for (int y = 0; y + dy < w.width; ++y)
     for (int x = std::max(0, -dx); x < w.width - std::max(0, dx); ++x) {
       const auto i = std::size_t(y * w.width + x), j = std::size_t((y + dy) * w.width + x + dx);
       if (!w.is_there[i] || !w.is_there[j]) continue;
-      out.pairs.noalias() += w.rows[i] * w.rows[j].transpose();
+      out.pairs.noalias() += rows[i] * rows[j].transpose();
       out.covariance += w.residuals[i] * w.residuals[j];
       ++count;
     }
@@ -276,18 +154,18 @@ Neighbours neighbours_at(const Window& w, int dx, int dy) {
 
 // Sum of c(d) J(p)' J(p + d) over neighbours, c the covariance of residuals at a distance d as it is found. Residuals
 // of a fitted gain and offset have covariances that are too small, each by twice their sum over the pixels.
-Normals correlated_normals(const Window& w) {
+WithTone correlated_normals(const Window& w, const std::vector<RowWithTone>& rows) {
   constexpr int kReach = 4, kDistances = (2 * kReach + 1) * (2 * kReach + 1);
   std::vector<Neighbours> all;
   double total = 0;
   for (int dy = 0; dy <= kReach; ++dy)
     for (int dx = dy == 0 ? 0 : -kReach; dx <= kReach; ++dx) {
-      all.push_back(neighbours_at(w, dx, dy));
+      all.push_back(neighbours_at(w, rows, dx, dy));
       total += all.back().covariance * (dx == 0 && dy == 0 ? 1 : 2);
     }
   const double share = 2.0 / w.count;
   const double lost = std::max(0.0, total) / std::max(0.5, 1 - kDistances * share) * share;
-  Normals sum = Normals::Zero();
+  WithTone sum = WithTone::Zero();
   for (const Neighbours& one : all) sum += (one.covariance + lost) * one.pairs;
   return sum;
 }
@@ -297,9 +175,49 @@ struct Match {
   double variance = 0;  // of the residuals
 };
 
-// The result of a converged match.
-std::optional<Match> finished(const Window& w, const Placement& at, const Normals& normals, const Normals& of_prior,
-                              const GreyImage& scan) {
+// Standard deviations of grey values over that of all: grain is strongest in middle densities. The variance is a
+// parabola in the share of the mark, by the squares of residuals, at least a quarter of its mean.
+std::vector<double> grain_by_share(const Window& w) {
+  Eigen::Matrix3d normals = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  const double mean = w.squares / w.count;
+  for (std::size_t i = 0; i < w.shares.size(); ++i)
+    if (w.is_there[i]) {
+      const Eigen::Vector3d by(1, w.shares[i], w.shares[i] * w.shares[i]);
+      normals += by * by.transpose();
+      right += by * (w.residuals[i] * w.residuals[i] - mean);
+    }
+  const Eigen::Vector3d parabola = normals.ldlt().solve(right);
+  std::vector<double> out(w.shares.size(), 1);
+  if (!(mean > 0) || !parabola.allFinite()) return out;
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out[i] =
+        std::sqrt(std::max(0.25, 1 + parabola.dot(Eigen::Vector3d(1, w.shares[i], w.shares[i] * w.shares[i])) / mean));
+  return out;
+}
+
+// Of residuals r with their own standard deviations s: the covariances of r / s, and s J in the place of J.
+WithTone spread_of(Window w, std::vector<RowWithTone> rows) {
+  const std::vector<double> grain = grain_by_share(w);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    w.residuals[i] /= grain[i];
+    rows[i] *= grain[i];
+  }
+  return correlated_normals(w, rows);
+}
+
+// What is left of the derivative by the tone when the unknowns have taken their part, and what that says of the tone.
+ToneEvidence tone_evidence(const RowWithTone& profile, const WithTone& normals, const WithTone& spread,
+                           const RowWithTone& right, double variance) {
+  ToneEvidence out;
+  out.slope = profile.dot(right) / variance;
+  out.information = profile.dot(normals * profile) / variance;
+  out.variance = profile.dot(spread * profile) / (variance * variance);
+  return out;
+}
+
+// The correlation of drawing and pixels, by what the residuals leave of the variance of grey values.
+double correlation_of(const Window& w, double gain, const GreyImage& scan) {
   double mean = 0, squares = 0;
   for (std::size_t i = 0; i < w.rows.size(); ++i)
     if (w.is_there[i]) {
@@ -308,35 +226,67 @@ std::optional<Match> finished(const Window& w, const Placement& at, const Normal
       squares += grey * grey;
     }
   squares -= mean * mean / w.count;
-  if (!(squares > 0)) return std::nullopt;
-  const Eigen::LLT<Normals> root(normals);
-  if (root.info() != Eigen::Success) return std::nullopt;
-  const Normals inverse = root.solve(Normals::Identity());
-  const Normals covariance = inverse * (correlated_normals(w) + of_prior) * inverse;
-  const double variance = w.squares / (w.count - kUnknowns);
+  return squares > 0 ? std::copysign(std::sqrt(std::max(0.0, 1 - w.squares / squares)), gain) : 0;
+}
+
+// The result of a converged match.
+std::optional<Match> finished(const Window& w, const Placement& at, const Prior& prior, double weight,
+                              const GreyImage& scan, const MarkPrior& known) {
+  const ToneCurve curve(at.gain, at.offset, at.tone);
+  std::vector<RowWithTone> rows(w.rows.size(), RowWithTone::Zero());
+  WithTone normals = WithTone::Zero();
+  RowWithTone right = RowWithTone::Zero();
+  normals.topLeftCorner<kUnknowns, kUnknowns>() = prior.normals;
+  right.head<kUnknowns>() = prior.right;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (w.is_there[i]) {
+      rows[i] << w.rows[i], curve.by_tone(w.shares[i]);
+      normals.noalias() += rows[i] * rows[i].transpose();
+      right += rows[i] * w.residuals[i];
+    }
+  const Eigen::LLT<Normals> root(normals.topLeftCorner<kUnknowns, kUnknowns>());
   Match match;
-  match.variance = variance;
+  match.found.correlation = correlation_of(w, at.gain, scan);
+  if (root.info() != Eigen::Success || match.found.correlation == 0) return std::nullopt;
+  WithTone spread = spread_of(w, rows);
+  spread.topLeftCorner<kUnknowns, kUnknowns>() += weight * prior.normals;
+  const Normals inverse = root.solve(Normals::Identity());
+  const Normals covariance = inverse * spread.topLeftCorner<kUnknowns, kUnknowns>() * inverse;
+  match.variance = w.squares / (w.count - kUnknowns);
   match.found.pixel = at.centre;
+  match.found.blur_px = std::sqrt(std::max(0.0, at.blur_px2));
   match.found.covariance = covariance.topLeftCorner<2, 2>();
-  const Matrix2d white = variance * inverse.topLeftCorner<2, 2>();
+  const Matrix2d white = match.variance * inverse.topLeftCorner<2, 2>();
   if (!(match.found.covariance.determinant() > 0 && match.found.covariance(0, 0) > 0)) match.found.covariance = white;
-  match.found.correlation = std::copysign(std::sqrt(std::max(0.0, 1 - w.squares / squares)), at.gain);
+  RowWithTone profile;
+  profile << -inverse * normals.col(kUnknowns).head<kUnknowns>(), 1;
+  match.found.tone = tone_evidence(profile, normals, spread, right, match.variance);
+  match.found.by_tone = profile.head<2>();
+  match.found.sigma_tone = known.sigma_tone;
+  if (!(known.tone_information > 0)) return match;
+  // The grain of this mark is part of what the tone errs by: covariance of the position with its share of the slope.
+  const Vector2d shared = (inverse * (spread * profile).head<kUnknowns>()).head<2>() / match.variance;
+  const Vector2d with_tone = shared / known.tone_information;
+  match.found.covariance +=
+      known.sigma_tone * known.sigma_tone * match.found.by_tone * match.found.by_tone.transpose() +
+      with_tone * match.found.by_tone.transpose() + match.found.by_tone * with_tone.transpose();
   return match;
 }
 
-std::optional<Match> match_one(const GreyImage& scan, const Blend& blend, const Vector2d& start,
+std::optional<Match> match_one(const GreyImage& scan, const Drawings& drawings, const Vector2d& start,
                                const MarkPrior& known) {
-  const MarkTemplate& drawing = *blend.narrower;
+  const MarkTemplate& drawing = drawings.middle();
   auto window = window_about(scan, drawing, start);
   if (!window) return std::nullopt;
   Placement at{start};
-  at.wider = blend.wider ? 0.5 : 0;
+  at.blur_px2 = drawings.middle().blur_px * drawings.middle().blur_px;
   at.warp << std::cos(known.rotation_rad), std::sin(known.rotation_rad), -std::sin(known.rotation_rad),
       std::cos(known.rotation_rad);
-  if (!fit_grey(*window, scan, blend, at)) return std::nullopt;
+  if (!fit_grey(*window, scan, drawings, at)) return std::nullopt;
+  at.tone = known.tone;
   const double farthest = std::max(3.0, drawing.half_px() / 2);
   for (int round = 0; round < 40; ++round) {
-    fill(*window, scan, blend, at);
+    fill(*window, scan, drawings, at);
     if (window->count < 4 * kUnknowns) return std::nullopt;
     Normals normals = Normals::Zero();
     Row right = Row::Zero();
@@ -346,14 +296,14 @@ std::optional<Match> match_one(const GreyImage& scan, const Blend& blend, const 
         right += window->rows[i] * window->residuals[i];
       }
     const double variance = std::max(1e-3, window->squares / window->count);
-    const Prior prior = prior_of(at, variance, known);
+    const Prior prior = prior_of(drawings, at, variance, known);
     normals += prior.normals;
     right += prior.right;
     const Row step = normals.ldlt().solve(right);
     if (!step.allFinite()) return std::nullopt;
     const Vector2d shift = step.head<2>();
     if (shift.norm() < 1e-3 && step.segment<4>(2).norm() < 1e-3)
-      return finished(*window, at, normals, variance * prior.normals, scan);
+      return finished(*window, at, prior, variance, scan, known);
     // Shorter when they go to and fro: of a round mark rotation is known from grain and prior only.
     const double shorter = std::min(round < 8 ? 1.0 : 0.5, 1.5 / std::max(1e-9, shift.norm()));
     at.centre += shorter * shift;
@@ -363,7 +313,7 @@ std::optional<Match> match_one(const GreyImage& scan, const Blend& blend, const 
     at.warp(1, 1) += shorter * step[5];
     at.gain += shorter * step[6];
     at.offset += shorter * step[7];
-    if (blend.wider) at.wider += shorter * step[8];
+    at.blur_px2 += shorter * step[8];
     if ((at.centre - start).norm() > farthest) return std::nullopt;
     // The window follows by whole pixels only when it must: it would go to and fro about a pixel's edge.
     const double middle = window->width / 2.0;
@@ -374,44 +324,73 @@ std::optional<Match> match_one(const GreyImage& scan, const Blend& blend, const 
   return std::nullopt;
 }
 
-}  // namespace
-
-MarkModel drawn_mark(MarkKind kind, double size_px, double line_px, double inwards_rad) {
-  const int half_cells = int(std::ceil((0.75 * size_px + 5) / kSpacing));
-  const FloatImage sharp = coverage(kind, size_px, line_px, inwards_rad, half_cells);
-  MarkModel model;
-  for (const double blur : kBlurs_px)
-    model.blurred.push_back({blurred(sharp, blur / kSpacing), kSpacing, Vector2d(half_cells + 0.5, half_cells + 0.5)});
-  return model;
-}
-
-std::optional<FoundMark> match_mark(const GreyImage& scan, const MarkModel& mark, const Vector2d& start,
+// The drawing whose blur fits best, and where.
+struct Fitting {
+  std::size_t drawing = 0;
+  std::optional<FoundMark> found;
+  double variance = 0;
+};
+std::optional<Fitting> best_drawing(const GreyImage& scan, const MarkModel& mark, const Vector2d& start,
                                     const MarkPrior& prior) {
-  std::vector<std::optional<Match>> matches(mark.blurred.size());
-  std::optional<std::size_t> best;
+  std::optional<Fitting> best;
   Vector2d from = start;
   // From the widest blur, which draws in from farthest, to the narrowest.
   for (std::size_t k = mark.blurred.size(); k-- > 0;) {
-    matches[k] = match_one(scan, {&mark.blurred[k]}, from, prior);
-    if (!matches[k] || std::abs(matches[k]->found.correlation) < 0.3) {
-      matches[k].reset();
+    const auto match = match_one(scan, {{&mark.blurred[k]}}, from, prior);
+    if (!match || std::abs(match->found.correlation) < 0.3) {
       if (!best && k + 2 < mark.blurred.size()) return std::nullopt;
       continue;
     }
-    from = matches[k]->found.pixel;
-    if (!best || matches[k]->variance < matches[*best]->variance) best = k;
+    from = match->found.pixel;
+    if (!best || match->variance < best->variance) best = Fitting{k, match->found, match->variance};
   }
-  if (!best || std::abs(matches[*best]->found.correlation) < 0.5) return std::nullopt;
-  // Between the best blur and the better one of its neighbours.
-  const auto variance_at = [&](std::size_t k) {
-    return k < matches.size() && matches[k] ? matches[k]->variance : std::numeric_limits<double>::infinity();
-  };
-  const std::size_t narrower = variance_at(*best - 1) < variance_at(*best + 1) ? *best - 1 : *best;
-  if (narrower + 1 < matches.size() && matches[narrower] && matches[narrower + 1])
-    if (const auto between =
-            match_one(scan, {&mark.blurred[narrower], &mark.blurred[narrower + 1]}, matches[*best]->found.pixel, prior))
-      return between->found;
-  return matches[*best]->found;
+  if (!best || std::abs(best->found->correlation) < 0.5) return std::nullopt;
+  return best;
+}
+
+// Between three drawings: those about the blur that fits are another three when it lies beyond. Changes `k`, the middle
+// one, to that.
+std::optional<FoundMark> between_drawings(const GreyImage& scan, const MarkModel& mark, const Vector2d& start,
+                                          const MarkPrior& prior, std::size_t& k) {
+  std::optional<FoundMark> found;
+  Vector2d from = start;
+  for (int round = 0; round < 3; ++round) {
+    k = std::clamp(k, std::size_t{1}, mark.blurred.size() - 2);
+    const auto match =
+        match_one(scan, {{&mark.blurred[k - 1], &mark.blurred[k], &mark.blurred[k + 1]}, 3}, from, prior);
+    if (!match) break;
+    found = match->found;
+    from = found->pixel;
+    const bool is_narrower = found->blur_px < mark.blurred[k - 1].blur_px && k > 1;
+    const bool is_wider = found->blur_px > mark.blurred[k + 1].blur_px && k + 2 < mark.blurred.size();
+    if (!is_narrower && !is_wider) break;
+    k = is_narrower ? k - 1 : k + 1;
+  }
+  return found;
+}
+
+}  // namespace
+
+std::optional<FoundMark> match_mark(const GreyImage& scan, const MarkModel& mark, const Vector2d& start,
+                                    const MarkPrior& prior) {
+  if (mark.blurred.empty()) return std::nullopt;
+  Fitting about;
+  if (prior.blur_px > 0) {
+    for (std::size_t k = 1; k < mark.blurred.size(); ++k)
+      if (std::abs(mark.blurred[k].blur_px - prior.blur_px) <
+          std::abs(mark.blurred[about.drawing].blur_px - prior.blur_px))
+        about.drawing = k;
+  } else {
+    const auto best = best_drawing(scan, mark, start, prior);
+    if (!best) return std::nullopt;
+    about = *best;
+  }
+  if (mark.blurred.size() >= 3)
+    if (auto found = between_drawings(scan, mark, about.found ? about.found->pixel : start, prior, about.drawing))
+      return found;
+  if (about.found) return about.found;
+  const auto single = match_one(scan, {{&mark.blurred[about.drawing]}}, start, prior);
+  return single ? std::optional<FoundMark>(single->found) : std::nullopt;
 }
 
 }  // namespace collinea

@@ -5,48 +5,39 @@
 #include <optional>
 #include <vector>
 
-#include "collinea/camera/film_calibration.h"
+#include "collinea/feature/mark_model.h"
 #include "collinea/raster/raster.h"
 
 namespace collinea {
 
-/// The drawing of a fiducial mark as a scan may show it: grey values on a lattice finer than the pixels.
-struct MarkTemplate {
-  FloatImage values;
-  double spacing_px = 1;                  ///< of the lattice
-  Eigen::Vector2d centre{0, 0};           ///< of the mark, in pixels of `values`
-  [[nodiscard]] double half_px() const {  ///< half the width that it covers
-    return spacing_px * 0.5 * std::min(values.width, values.height);
-  }
+/// What the pixels of a mark say of the tone of a scan (see MarkPrior), all else of the mark adjusted to it: the
+/// derivative of -chi-squared / 2 at the tone that was taken, its second derivative (less its sign), and the variance
+/// of the first, neighbours being correlated.
+struct ToneEvidence {
+  double slope = 0, information = 0, variance = 0;
 };
-
-/// A mark to be looked for: one drawing at several widths of blur, or one that was learnt.
-struct MarkModel {
-  std::vector<MarkTemplate> blurred;
-};
-
-/// A mark of `size_px` whose lines are `line_px` wide, bright on dark (found the other way round, too). Its axis looks
-/// towards `inwards_rad`, from the column towards the row: corner (between its arms) and notch (into the photograph)
-/// have one. Drawn at blurs from 0.5 to 3 px.
-[[nodiscard]] MarkModel drawn_mark(MarkKind kind, double size_px, double line_px, double inwards_rad);
-
-/// The mark at a position that somebody pointed to, as a template for others like it. Where the pixels are the same
-/// turned by 180 degrees about a position nearby, that is the mark (to a tenth of a pixel); else the position itself
-/// is. Nothing when the square of `size_px` leaves the scan, or holds one grey value only.
-[[nodiscard]] std::optional<MarkModel> learnt_mark(const GreyImage& scan, const Eigen::Vector2d& pointed,
-                                                   double size_px);
 
 /// A mark in a scan.
 struct FoundMark {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< [px^2]
   double correlation = 0;                                    ///< of drawing and pixels; below zero: dark on bright
+  /// Derivative of the position by the tone of the scan [px], and the standard deviation of that: a part of the
+  /// covariance that all marks of a scan have in common.
+  Eigen::Vector2d by_tone = Eigen::Vector2d::Zero();
+  double sigma_tone = 0;
+  ToneEvidence tone = {};
+  double blur_px = 0;  ///< of a drawn mark
 };
 
 /// What is known of a mark beforehand: how it is turned against its drawing, and how well; how well its size is known,
-/// and its two scales and the angle between them.
+/// and its two scales and the angle between them; and of the scan, the power `tone` of grey values that light is (1:
+/// grey values are light). The tone is taken as it is; how well it is known becomes part of the covariance, where
+/// `tone_information` is that of all marks (ToneEvidence) from which it was found.
 struct MarkPrior {
   double rotation_rad = 0, sigma_rotation_rad = 0.03, sigma_scale = 0.03, sigma_affinity = 0.003;
+  double tone = 1, sigma_tone = 0, tone_information = 0;
+  double blur_px = 0;  ///< about where it was matched before; 0: nothing is known
 };
 
 /// The mark near a position (to about an eighth of its size), by least squares matching of the drawing onto the pixels:

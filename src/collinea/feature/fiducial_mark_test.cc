@@ -115,9 +115,43 @@ TEST(FiducialMark, OneClickTeachesAMark) {
   const GreyImage second = rendered_scan(c, other, 200, 200, {}, 1.0, random);
   const auto learnt = learnt_mark(scan, truth.pixel_of({-1, -1}) + Vector2d(2, -3), 56);
   ASSERT_TRUE(learnt);
-  const auto found = search_mark(second, *learnt, {70, 130}, 30, 1);
+  EXPECT_TRUE(learnt->is_symmetric);
+  const auto found = search_mark(second, learnt->model, {70, 130}, 30, 1);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_LT((found[0].pixel - other.pixel_of({-1, -1})).norm(), 0.1);
+}
+
+// One corner teaches all four, turned and mirrored; marks of a kind that the calibration states otherwise are drawn.
+TEST(FiducialSearch, OneClickTeachesMarksThatLieTurned) {
+  for (const MarkKind kind : {MarkKind::kCorner, MarkKind::kNotch}) {
+    FilmCalibration c = one_mark(kind);
+    c.size_mm = {30, 30};
+    c.marks.clear();
+    for (const double x : {-12.0, 12.0})
+      for (const double y : {-12.0, 12.0}) c.marks.push_back({.name = "", .film_mm = {x, y}, .kind = kind});
+    c.marks.push_back({.name = "", .film_mm = {12, 0}, .kind = MarkKind::kDot});
+    for (std::size_t i = 0; i < c.marks.size(); ++i) c.marks[i].name = std::to_string(i);
+    Random random(23, std::uint64_t(kind));
+    const FilmTransformation truth = scan_of(612.4, 588.7, 0.01);
+    const GreyImage scan = rendered_scan(c, truth, 1200, 1200, {}, 1.1, random);
+    auto learnt = learnt_mark(scan, truth.pixel_of(c.marks[1].film_mm), 56);
+    ASSERT_TRUE(learnt) << word_of(kind);
+    EXPECT_FALSE(learnt->is_symmetric) << word_of(kind);
+    EXPECT_EQ(likenesses(*learnt).size(), 8u);
+    learnt->mark = c.marks[1];
+    for (const bool is_stated : {true, false}) {
+      FilmCalibration known = c;
+      if (!is_stated)
+        for (std::size_t i = 0; i < 4; ++i) known.marks[i].kind.reset();
+      learnt->mark = known.marks[1];
+      const auto found = find_fiducials(
+          scan, known, {.predicted = predicted_scan(c, 1200, 1200, {}, 0), .radius_mm = 1.2, .learnt = {*learnt}}, {});
+      ASSERT_EQ(found.size(), 5u) << word_of(kind) << is_stated;
+      // A likeness has grain of its own: twice the bound of those that are drawn.
+      for (std::size_t i = 0; i < 5; ++i)
+        EXPECT_LT((found[i].mark.pixel - truth.pixel_of(c.marks[i].film_mm)).norm(), 0.4) << word_of(kind) << i;
+    }
+  }
 }
 
 // Eight marks of a kind, in a scan that is turned, sheared and shifted from where it is expected.

@@ -124,48 +124,6 @@ std::vector<FoundMark> search_mark(const GreyImage& scan, const MarkModel& mark,
 
 namespace {
 
-// How alike the pixels are to themselves turned by 180 degrees about a position.
-double point_symmetry(const GreyImage& scan, const Vector2d& centre, int half) {
-  double sum = 0, squares = 0, products = 0;
-  int count = 0;
-  for (int y = -half; y <= half; ++y)
-    for (int x = -half; x <= half; ++x) {
-      const double a = bilinear(scan, centre.x() + x, centre.y() + y),
-                   b = bilinear(scan, centre.x() - x, centre.y() - y);
-      sum += a;
-      squares += a * a;
-      products += a * b;
-      ++count;
-    }
-  const double mean = sum * sum / count;
-  return squares - mean > 1 ? (products - mean) / (squares - mean) : 0;
-}
-
-// The position of largest symmetry nearby, refined by a parabola in each direction; the given one where there is none.
-Vector2d symmetric_centre(const GreyImage& scan, const Vector2d& pointed, int half) {
-  Vector2d best = pointed;
-  double most = 0;
-  const int reach = std::max(1, half / 4);
-  for (int y = -2 * reach; y <= 2 * reach; ++y)
-    for (int x = -2 * reach; x <= 2 * reach; ++x) {
-      const Vector2d at = pointed + Vector2d(x, y) / 2;
-      const double value = point_symmetry(scan, at, half);
-      if (value > most) {
-        most = value;
-        best = at;
-      }
-    }
-  if (most < 0.8) return pointed;
-  Vector2d refined = best;
-  for (int k = 0; k < 2; ++k) {
-    const Vector2d step = Vector2d::Unit(k);
-    const double less = point_symmetry(scan, best - step, half), more = point_symmetry(scan, best + step, half);
-    const double bend = less - 2 * most + more;
-    if (bend < 0) refined[k] += std::clamp((less - more) / (2 * bend), -0.5, 0.5);
-  }
-  return refined;
-}
-
 // The direction from a mark to the inside of the photograph, on the film with y down: along an axis from marks in the
 // middle of a side, at 45 degrees from those in corners. Crosses stand upright.
 double inwards_of(MarkKind kind, const Vector2d& film_mm) {
@@ -175,10 +133,63 @@ double inwards_of(MarkKind kind, const Vector2d& film_mm) {
   return eighth * std::round(std::atan2(d.y(), d.x()) / eighth);
 }
 
+// One likeness or more of a mark.
+struct Likenesses {
+  std::vector<MarkModel> models;
+  bool is_learnt = false;
+};
+
 struct Candidate {
-  std::size_t mark;
+  std::size_t mark, likeness;
   FoundMark found;
 };
+
+bool is_diagonal(const CalibratedMark& mark) {
+  const double x = std::abs(mark.film_mm.x()), y = std::abs(mark.film_mm.y());
+  return std::min(x, y) > 0.4 * std::max(x, y);
+}
+
+// The likeness that was pointed to for marks of this kind: of one that lies in a corner too, or in a side too, where
+// there is one. Nothing: the mark is drawn.
+const LearntMark* learnt_for(const CalibratedMark& mark, const std::vector<LearntMark>& all) {
+  const LearntMark* best = nullptr;
+  for (const LearntMark& one : all) {
+    if (one.mark.kind != mark.kind) continue;
+    if (!best || (is_diagonal(best->mark) != is_diagonal(mark) && is_diagonal(one.mark) == is_diagonal(mark)))
+      best = &one;
+  }
+  return best;
+}
+
+Likenesses likenesses_of(const CalibratedMark& mark, const FiducialSearch& search, const FilmCalibration& calibration) {
+  if (const LearntMark* learnt = learnt_for(mark, search.learnt)) return {likenesses(*learnt), true};
+  const double scale = search.predicted.parameters[3];
+  const MarkKind kind = mark.kind.value_or(search.kind);
+  return {{drawn_mark(kind, scale * calibration.mark_size_mm, scale * calibration.line_mm,
+                      inwards_of(kind, mark.film_mm) + search.predicted.parameters[2])}};
+}
+
+// Positions that look most like any of the likenesses. One that was pointed to is bright where it is bright.
+constexpr double kLeastLearnt = 0.7;  // correlation of marks of one camera in its scans
+std::vector<Candidate> candidates_of(const GreyImage& scan, const Likenesses& like, std::size_t mark,
+                                     const Vector2d& predicted, double radius_px) {
+  std::vector<Candidate> out;
+  for (std::size_t k = 0; k < like.models.size(); ++k)
+    for (const FoundMark& found : search_mark(scan, like.models[k], predicted, radius_px, 3))
+      if (!like.is_learnt || found.correlation >= kLeastLearnt) out.push_back({mark, k, found});
+  std::stable_sort(out.begin(), out.end(), [](const Candidate& a, const Candidate& b) {
+    return std::abs(a.found.correlation) > std::abs(b.found.correlation);
+  });
+  // Of one position the likeness that fits best.
+  std::vector<Candidate> kept;
+  for (const Candidate& one : out)
+    if (std::none_of(kept.begin(), kept.end(), [&](const Candidate& other) {
+          return (other.found.pixel - one.found.pixel).norm() < 0.2 * like.models[0].blurred[0].half_px();
+        }))
+      kept.push_back(one);
+  if (kept.size() > 3) kept.erase(kept.begin() + 3, kept.end());
+  return kept;
+}
 
 // The similarity of two candidates, if it is near the predicted one.
 std::optional<FilmTransformation> similarity_of(const FilmMark& a, const FilmMark& b, const FilmTransformation& near) {
@@ -215,28 +226,6 @@ std::pair<double, std::vector<const Candidate*>> agreeing(const FilmTransformati
 
 }  // namespace
 
-std::optional<MarkModel> learnt_mark(const GreyImage& scan, const Vector2d& pointed, double size_px) {
-  const int half = int(size_px / 2);
-  const auto fits = [&](const Vector2d& at) {
-    return at.allFinite() && half >= 4 && at.x() >= half + 2 && at.y() >= half + 2 && at.x() + half + 2 <= scan.width &&
-           at.y() + half + 2 <= scan.height;
-  };
-  if (!fits(pointed)) return std::nullopt;
-  Vector2d centre = symmetric_centre(scan, pointed, half);
-  if (!fits(centre)) centre = pointed;
-  const int left = int(std::floor(centre.x())) - half, top = int(std::floor(centre.y())) - half;
-  MarkTemplate drawing{FloatImage(2 * half + 1, 2 * half + 1), 1, centre - Vector2d(left, top)};
-  float low = 255, high = 0;
-  for (int y = 0; y < drawing.values.height; ++y)
-    for (int x = 0; x < drawing.values.width; ++x) {
-      const float value = drawing.values.at(x, y) = float(scan.at(left + x, top + y));
-      low = std::min(low, value);
-      high = std::max(high, value);
-    }
-  if (!(high > low)) return std::nullopt;
-  return MarkModel{{drawing}};
-}
-
 FilmTransformation predicted_scan(const FilmCalibration& calibration, int width_px, int height_px,
                                   std::optional<double> pixel_mm, int quarter_turns) {
   const bool is_across = quarter_turns % 2 != 0;
@@ -251,23 +240,80 @@ FilmTransformation predicted_scan(const FilmCalibration& calibration, int width_
 
 namespace {
 
-// The chosen candidates, matched with the rotation that all of them together have.
+// The tone of a scan before its marks are seen: between linear grey values and the power 2.2 of common scanners.
+constexpr double kTone = 1.5, kToneSigma = 1.0, kLeastTone = -2, kMostTone = 5;
+
+struct Tone {
+  double value = kTone, sigma = kToneSigma, information = 1 / (kToneSigma * kToneSigma);
+};
+
+// Marks that were chosen, with their drawings.
+struct Chosen {
+  std::size_t mark;
+  const MarkModel* model;
+  bool is_learnt;
+  FoundMark found;
+};
+
+// A likeness has the grey values of the scan; how the scan was turned from which it comes is not known.
+void match_all(const GreyImage& scan, const MarkPrior& prior, const Run& run, std::vector<Chosen>& marks) {
+  parallel_for(run, marks.size(), [&](std::size_t i) {
+    MarkPrior known = marks[i].is_learnt ? MarkPrior{} : prior;
+    known.blur_px = marks[i].found.blur_px;
+    if (const auto again = match_mark(scan, *marks[i].model, marks[i].found.pixel, known)) marks[i].found = *again;
+  });
+}
+
+// The tone of a scan from all its marks together: the one by which the squares of all their residuals are least. Steps
+// of Newton's, each with all marks matched anew.
+Tone tone_of(const GreyImage& scan, MarkPrior prior, const Run& run, std::vector<Chosen>& marks) {
+  Tone tone;
+  for (int round = 0; round < 12; ++round) {
+    prior.tone = tone.value;
+    match_all(scan, prior, run, marks);
+    const double known = 1 / (kToneSigma * kToneSigma);
+    double slope = known * (kTone - tone.value), information = known, variance = known;
+    for (const Chosen& one : marks) {
+      if (one.is_learnt) continue;
+      slope += one.found.tone.slope;
+      information += one.found.tone.information;
+      variance += one.found.tone.variance;
+    }
+    // Shorter when they go to and fro.
+    const double step = std::clamp(slope / information, -0.5, 0.5) * (round < 5 ? 1 : 0.5);
+    tone = {std::clamp(tone.value + step, kLeastTone, kMostTone), std::sqrt(variance) / information, information};
+    if (std::abs(step) < 0.05 * tone.sigma) break;
+  }
+  return tone;
+}
+
+// The chosen candidates, matched with the rotation and the tone that all of them together have.
 std::vector<FoundFiducial> matched_again(const GreyImage& scan, const FilmCalibration& calibration,
                                          const std::vector<const Candidate*>& chosen,
-                                         const std::vector<MarkModel>& models, const FilmTransformation& near) {
+                                         const std::vector<Likenesses>& likenesses, const FilmTransformation& near,
+                                         const Run& run) {
   std::vector<FilmMark> marks;
+  std::vector<Chosen> found;
   for (const Candidate* one : chosen)
-    if (one) marks.push_back({"", calibration.marks[one->mark].film_mm, one->found.pixel});
+    if (one) {
+      marks.push_back({"", calibration.marks[one->mark].film_mm, one->found.pixel});
+      const Likenesses& like = likenesses[one->mark];
+      found.push_back({one->mark, &like.models[one->likeness], like.is_learnt, one->found});
+    }
   if (marks.size() < 3) return {};
   const auto fit = fit_film(marks, FilmModel::kSimilarity, {.reject_misread = false});
   if (!fit) return {};
   const double rotation = std::remainder(fit->transformation.parameters[2] - near.parameters[2], 2 * std::numbers::pi);
-  std::vector<FoundFiducial> out;
-  for (const Candidate* one : chosen) {
-    if (!one) continue;
-    const auto again = match_mark(scan, models[one->mark], one->found.pixel, {rotation, 0.001, 0.03, 0.001});
-    out.push_back({calibration.marks[one->mark].name, again ? *again : one->found});
+  MarkPrior prior{rotation, 0.001, 0.03, 0.001};
+  if (std::any_of(found.begin(), found.end(), [](const Chosen& one) { return !one.is_learnt; })) {
+    const Tone tone = tone_of(scan, prior, run, found);
+    prior.tone = tone.value;
+    prior.sigma_tone = tone.sigma;
+    prior.tone_information = tone.information;
   }
+  match_all(scan, prior, run, found);
+  std::vector<FoundFiducial> out;
+  for (const Chosen& one : found) out.push_back({calibration.marks[one.mark].name, one.found});
   return out;
 }
 
@@ -277,19 +323,15 @@ std::vector<FoundFiducial> find_fiducials(const GreyImage& scan, const FilmCalib
                                           const FiducialSearch& search, const Run& run) {
   const FilmTransformation& near = search.predicted;
   const double scale = near.parameters[3];
-  std::vector<std::vector<FoundMark>> of_mark(calibration.marks.size());
-  std::vector<MarkModel> models(calibration.marks.size());
+  std::vector<std::vector<Candidate>> of_mark(calibration.marks.size());
+  std::vector<Likenesses> likenesses(calibration.marks.size());
   parallel_for(run, of_mark.size(), [&](std::size_t i) {
     const CalibratedMark& mark = calibration.marks[i];
-    const MarkKind kind = mark.kind.value_or(search.kind);
-    models[i] = search.learnt ? *search.learnt
-                              : drawn_mark(kind, scale * calibration.mark_size_mm, scale * calibration.line_mm,
-                                           inwards_of(kind, mark.film_mm) + near.parameters[2]);
-    of_mark[i] = search_mark(scan, models[i], near.pixel_of(mark.film_mm), scale * search.radius_mm, 3);
+    likenesses[i] = likenesses_of(mark, search, calibration);
+    of_mark[i] = candidates_of(scan, likenesses[i], i, near.pixel_of(mark.film_mm), scale * search.radius_mm);
   });
   std::vector<Candidate> candidates;
-  for (std::size_t i = 0; i < of_mark.size(); ++i)
-    for (const FoundMark& found : of_mark[i]) candidates.push_back({i, found});
+  for (const auto& of_one : of_mark) candidates.insert(candidates.end(), of_one.begin(), of_one.end());
   std::pair<double, std::vector<const Candidate*>> best{0, {}};
   const auto as_mark = [&](const Candidate& one) {
     return FilmMark{.name = {}, .film_mm = calibration.marks[one.mark].film_mm, .pixel = one.found.pixel};
@@ -302,7 +344,7 @@ std::vector<FoundFiducial> find_fiducials(const GreyImage& scan, const FilmCalib
       auto agreed = agreeing(*t, calibration, candidates);
       if (agreed.first > best.first) best = std::move(agreed);
     }
-  return matched_again(scan, calibration, best.second, models, near);
+  return matched_again(scan, calibration, best.second, likenesses, near, run);
 }
 
 }  // namespace collinea

@@ -9,6 +9,7 @@
 #include "collinea/camera/film_calibration.h"
 #include "collinea/camera/film_transformation.h"
 #include "collinea/feature/fiducial_mark.h"
+#include "collinea/feature/learnt_mark.h"
 #include "collinea/raster/raster.h"
 
 namespace collinea {
@@ -20,9 +21,10 @@ namespace collinea {
 
 struct FiducialSearch {
   FilmTransformation predicted;
-  double radius_mm = 4;                  ///< round the predicted positions
-  MarkKind kind = MarkKind::kCross;      ///< of marks of which the calibration states none
-  std::optional<MarkModel> learnt = {};  ///< instead of drawings, for all marks
+  double radius_mm = 4;              ///< round the predicted positions
+  MarkKind kind = MarkKind::kCross;  ///< of marks of which the calibration states none
+  /// Instead of drawings, for marks of the kind that the calibration states of these, or of none where it states none.
+  std::vector<LearntMark> learnt = {};
 };
 
 struct FoundFiducial {

@@ -19,16 +19,31 @@ FilmTransformation predicted(const GreyImage& scan, const MarkSearch& search) {
   return predicted_scan(search.calibration, scan.width, scan.height, search.pixel_mm, search.options.turned_deg / 90);
 }
 
-// A template from the position that was pointed to.
-Result<MarkModel> learnt_at(const std::string& position, const GreyImage& scan, double mark_px) {
+// The mark of the calibration that is predicted next to a position.
+const CalibratedMark& nearest_mark(const FilmTransformation& predicted, const FilmCalibration& calibration,
+                                   const Eigen::Vector2d& at) {
+  return *std::min_element(calibration.marks.begin(), calibration.marks.end(), [&](const auto& a, const auto& b) {
+    return (predicted.pixel_of(a.film_mm) - at).norm() < (predicted.pixel_of(b.film_mm) - at).norm();
+  });
+}
+
+// A likeness from a position that was pointed to.
+Result<LearntMark> learnt_at(std::string_view position, const GreyImage& scan, const MarkSearch& search) {
   const auto at = parse_numbers(position);
   if (!at || at->size() != 2)
     return fail(Errc::kBadInput, "the position of the mark is not two numbers with a comma between",
                 {"mark_at"_option});
-  auto model = learnt_mark(scan, {(*at)[0], (*at)[1]}, mark_px);
-  if (!model)
+  const FilmTransformation near = predicted(scan, search);
+  const double px_per_mm = near.parameters[3];
+  const Eigen::Vector2d pixel((*at)[0], (*at)[1]);
+  auto learnt = learnt_mark(scan, pixel, 1.4 * search.calibration.mark_size_mm * px_per_mm);
+  if (!learnt || search.calibration.marks.empty())
     return fail(Errc::kBadInput, "nothing that could be a mark lies there in the first scan", {"mark_at"_option});
-  return *std::move(model);
+  learnt->mark = nearest_mark(near, search.calibration, pixel);
+  if (!((near.pixel_of(learnt->mark.film_mm) - pixel).norm() <= search.options.search_mm * px_per_mm))
+    return fail(Errc::kBadInput, "the calibration has no mark near the position that was pointed to",
+                {"mark_at"_option, "search_mm"_option, "turned_deg"_option});
+  return *std::move(learnt);
 }
 
 }  // namespace
@@ -40,8 +55,14 @@ Result<MarkSearch> mark_search(const FilmCalibration& calibration, std::optional
   MarkSearch search{calibration, pixel_mm, options};
   if (options.mark_at) {
     COLLINEA_TRY(const GreyImage scan, read_grey(first_scan));
-    COLLINEA_TRY(search.learnt, learnt_at(*options.mark_at, scan,
-                                          1.4 * calibration.mark_size_mm * predicted(scan, search).parameters[3]));
+    std::string_view rest = *options.mark_at;
+    for (bool is_last = false; !is_last;) {
+      const std::size_t end = rest.find(';');
+      is_last = end == std::string_view::npos;
+      COLLINEA_TRY(LearntMark learnt, learnt_at(rest.substr(0, end), scan, search));
+      search.learnt.push_back(std::move(learnt));
+      if (!is_last) rest.remove_prefix(end + 1);
+    }
   }
   return search;
 }

@@ -11,7 +11,7 @@
 #include "collinea/base/run.h"
 #include "collinea/camera/film_calibration.h"
 #include "collinea/camera/mark_readings.h"
-#include "collinea/feature/fiducial_mark.h"
+#include "collinea/feature/learnt_mark.h"
 #include "collinea/raster/raster.h"
 
 namespace collinea {
@@ -30,7 +30,9 @@ struct ScanMarkOptions {
     using O = ScanMarkOptions;
     visit(Field{"mark_kind", &O::mark_kind, "", "what marks look like of which the calibration does not say it"});
     visit(Field{"mark_at", &O::mark_at, "",
-                "column,row of a mark in the first scan: the others are looked for by its likeness"});
+                "column,row of a mark in the first scan, of several with a semicolon between: marks of its kind are "
+                "looked for by "
+                "its likeness, turned by quarters where it has one side"});
     visit(Field{"turned_deg", &O::turned_deg, "deg",
                 "by how much the film lies turned in the scans, clockwise: 0, 90, 180 or 270", 0, 270});
     visit(
@@ -71,7 +73,7 @@ struct MarkSearch {
   FilmCalibration calibration;
   std::optional<double> pixel_mm = {};
   ScanMarkOptions options = {};
-  std::optional<MarkModel> learnt = {};  ///< of --mark-at
+  std::vector<LearntMark> learnt = {};  ///< the marks that were pointed to
 };
 
 /// The search, with the mark learnt from `first_scan` where one was pointed to. Errors: options, nothing that

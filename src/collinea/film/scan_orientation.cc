@@ -20,7 +20,7 @@ constexpr int kMostShrink = 8;
 
 // By how much a scan is reduced for its marks. One that was learnt has the pixels of the scans.
 Result<int> mark_shrink(const std::filesystem::path& file, const MarkSearch& search) {
-  if (search.learnt) return 1;
+  if (!search.learnt.empty()) return 1;
   COLLINEA_TRY(const ImageHeader header, read_image_header(file));
   const double px_per_mm = predicted_scan(search.calibration, header.width_px, header.height_px, search.pixel_mm,
                                           search.options.turned_deg / 90)

@@ -110,6 +110,11 @@ std::string image_text(const Image& image, const InteriorReport& report) {
   if (image.least_correlation)
     text += fmt::format("  {} marks found in the scan, with correlations of {:.2f} and more\n",
                         image.readings.marks.size(), *image.least_correlation);
+  if (image.least_correlation && image.readings.marks.size() <= image.missing.size())
+    text += fmt::format(
+        "  warning: {} of {} marks were found only: these may be something else. See that the kinds, sizes and "
+        "positions of marks are those of this camera\n",
+        image.readings.marks.size(), image.readings.marks.size() + image.missing.size());
   if (!image.unknown.empty()) text += fmt::format("  not in the calibration, not used: {}\n", joined(image.unknown));
   if (!image.missing.empty()) text += fmt::format("  not measured: {}\n", joined(image.missing));
   text += fmt::format("  {}, {} parameters from {} marks, redundancy {}", word_of(t.model), t.parameters.size(),
