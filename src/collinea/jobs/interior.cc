@@ -118,26 +118,42 @@ Result<InteriorReport::Image> orient_image(const FilmCalibration& calibration, c
   return image;
 }
 
+// The image of a point of a table; the only one where neither names any.
+Result<const InteriorReport::Image*> image_of(const InteriorReport& report, const Positions& points, std::size_t i,
+                                              const fs::path& table) {
+  for (const auto& image : report.images)
+    if (image.name == points.images[i]) return &image;
+  if (report.images.size() == 1 && (points.images[i].empty() || report.images[0].name.empty()))
+    return &report.images.front();
+  return fail(Errc::kBadInput, fmt::format("{}: point {} is of image \"{}\", whose marks are not there", table.string(),
+                                           points.names[i], points.images[i]));
+}
+
+// Points in mm of scans in pixels lie on the film, with y up: they are brought to the scan. Their own standard
+// deviations are in mm; without a column of them points of the film are exact.
 Result<> add_points(InteriorReport& report, const InteriorOptions& options) {
   COLLINEA_TRY(const Positions points, read_positions(*options.points, "point", options.point_sigma));
-  if (points.unit != report.unit)
+  const bool to_scan = report.unit == "px" && points.unit == "mm";
+  if (points.unit != report.unit && !to_scan)
     return fail(Errc::kBadInput, fmt::format("marks are in {}, points in {}", report.unit, points.unit),
                 {"points"_option});
   for (std::size_t i = 0; i < points.names.size(); ++i) {
-    const auto named = [&](const auto& image) { return image.name == points.images[i]; };
-    auto image = std::find_if(report.images.begin(), report.images.end(), named);
-    if (image == report.images.end() && report.images.size() == 1 &&
-        (points.images[i].empty() || report.images[0].name.empty()))
-      image = report.images.begin();
-    if (image == report.images.end())
-      return fail(Errc::kBadInput, fmt::format("{}: point {} is of image \"{}\", whose marks are not there",
-                                               options.points->string(), points.names[i], points.images[i]));
-    const double sigma = points.sigmas[i];
-    const auto film = image->orientation.fit.transformation.film_with_covariance(
-        points.at[i], sigma * sigma * Eigen::Matrix2d::Identity());
+    COLLINEA_TRY(const InteriorReport::Image* const image, image_of(report, points, i, *options.points));
+    const FilmTransformation& scan_from_film = image->orientation.fit.transformation;
+    const std::string name = points.images[i].empty() ? image->name : points.images[i];
+    const double variance = points.sigmas[i] * points.sigmas[i];
+    if (to_scan) {
+      const Vector2d film(points.at[i].x(), -points.at[i].y());
+      const Position2 seen = scan_from_film.pixel_with_covariance(film);
+      const Eigen::Matrix2d by_film = scan_from_film.by_film(film);
+      const Eigen::Matrix2d own = (points.has_sigmas ? variance : 0) * by_film * by_film.transpose();
+      report.scan_points.push_back({name, points.names[i], film, seen.position, seen.covariance + own});
+      continue;
+    }
+    const auto film = scan_from_film.film_with_covariance(points.at[i], variance * Eigen::Matrix2d::Identity());
     if (!film) return fail(Errc::kBadInput, fmt::format("point {} lies beyond the film", points.names[i]));
-    report.points.push_back({points.images[i].empty() ? image->name : points.images[i], points.names[i], film->position,
-                             corrected_mm(report.calibration, film->position), film->covariance});
+    report.points.push_back(
+        {name, points.names[i], film->position, corrected_mm(report.calibration, film->position), film->covariance});
   }
   return {};
 }
@@ -146,7 +162,12 @@ Result<> write_tables(const InteriorReport& report, const fs::path& folder) {
   COLLINEA_TRY(make_out_folder(folder));
   COLLINEA_TRY(write_file(folder / "interior.txt", text_of(parameter_table(report))));
   COLLINEA_TRY(write_file(folder / "residuals.txt", text_of(residual_table(report))));
-  if (!report.points.empty()) return write_file(folder / "points.txt", text_of(point_table(report)));
+  COLLINEA_TRY(write_file(folder / "covariance.txt", text_of(covariance_table(report))));
+  COLLINEA_TRY(write_file(folder / "model_tests.txt", text_of(model_test_table(report))));
+  COLLINEA_TRY(write_file(folder / "deformation.txt", text_of(deformation_table(report))));
+  if (!report.points.empty()) COLLINEA_TRY(write_file(folder / "points.txt", text_of(point_table(report))));
+  if (!report.scan_points.empty())
+    COLLINEA_TRY(write_file(folder / "scan_points.txt", text_of(scan_point_table(report))));
   return {};
 }
 
@@ -163,6 +184,8 @@ Result<InteriorReport::Image> orient_without_marks(const FilmCalibration& calibr
   FilmTransformation& t = image.orientation.fit.transformation;
   t = without_marks({(*at)[0], (*at)[1]}, *pixel_mm);
   t = without_marks(2 * Vector2d((*at)[0], (*at)[1]) - t.pixel_of(calibration.principal_point_mm), *pixel_mm);
+  // The size of a pixel is taken as exact; the rotation of the film is part of kappa.
+  if (options.sigma) t.covariance.topLeftCorner<2, 2>().diagonal().setConstant(*options.sigma * *options.sigma);
   return image;
 }
 

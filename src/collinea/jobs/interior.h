@@ -40,14 +40,17 @@ struct InteriorOptions {
         "the smallest that the larger ones do not reject"));
     visit(
         Field{"sigma", &O::sigma, "",
-              "standard deviation of a reading of a mark, in the unit of the table; nothing: found from the residuals",
+              "standard deviation of a reading of a mark, in the unit of the table, nothing: found from the residuals; "
+              "without marks of the pixel of the principal point",
               1e-9, 1e6});
     visit(Field{"pixel_um", &O::pixel_um, "um", "size of a pixel of the scan, as the scanner states it", 0.1, 1000});
     visit(Field{"dpi", &O::dpi, "1/inch", "the same as resolution: 25400 um / dpi", 10, 1e6});
     visit(Field{"principal_point_px", &O::principal_point_px, "",
                 "column,row of the principal point: an orientation without marks, by the size of a pixel"});
     visit(Field{"points", &O::points, "",
-                "table of points to bring to the film: point x y, with image and sigma where there are"}
+                "table of points to bring to the film: point x y, with image and sigma where there are; points in mm "
+                "of scans in "
+                "pixels are brought from the film to the scan"}
               .leads_to(PathKind::kFile));
     visit(Field{"point_sigma", &O::point_sigma, "", "standard deviation of these points where the table gives none", 0,
                 1e6});

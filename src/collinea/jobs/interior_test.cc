@@ -145,6 +145,69 @@ TEST_F(Interior, WrongInputIsToldWhatToDo) {
   EXPECT_TRUE(has(message(kMarks, asked), "no marks"));
 }
 
+// Film and scan, there and back; standard deviations without marks are those of the principal point.
+TEST_F(Interior, PointsOfTheFilmAreBroughtToTheScan) {
+  auto asked = options();
+  asked.principal_point_px = "5000,4000";
+  asked.dpi = 2540;
+  asked.sigma = 0.5;
+  asked.points = file("points.txt", "point x[mm] y[mm] sigma[mm]\nA 9.994 -0.006 0.02\n");
+  asked.out = folder_ / "out";
+  const auto done = interior_orientation("", asked, {});
+  ASSERT_TRUE(done) << done.error().message;
+  ASSERT_EQ(done->scan_points.size(), 1u);
+  const auto& seen = done->scan_points[0];
+  const auto back = done->images[0].orientation.fit.transformation.film_of(seen.pixel);
+  EXPECT_LT((*back - Eigen::Vector2d(9.994, -0.006)).norm(), 1e-9);
+  EXPECT_NEAR(seen.pixel.x(), 6000, 1);
+  // 0.5 px, and 0.02 mm of 0.01 mm a pixel.
+  EXPECT_NEAR(seen.covariance(0, 0), 0.25 + 4, 1e-9);
+  EXPECT_NEAR(seen.covariance(0, 1), 0, 1e-9);
+  for (const char* name : {"covariance.txt", "model_tests.txt", "deformation.txt", "scan_points.txt"})
+    EXPECT_TRUE(fs::exists(folder_ / "out" / name)) << name;
+}
+
+TEST_F(Interior, ReadingsThatContradictEachOtherAreWarnedOf) {
+  const auto done = interior_orientation(
+      file("marks.txt", "mark x[px] y[px]\n1 1347 19285\n2 19161 1470\n3 1345 1771\n4 19463 19283\n"), options(), {});
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_NE(interior_text(*done).find("contradict"), std::string::npos);
+  const auto good = interior_orientation(file("good.txt", kMarks), options(), {});
+  ASSERT_TRUE(good);
+  EXPECT_EQ(interior_text(*good).find("contradict"), std::string::npos);
+}
+
+// Corners of which the calibration states no kind, by one click; the dot that it states stays a dot.
+TEST_F(Interior, MarksArePointedTo) {
+  std::string camera = "principal_distance_mm 20\nfilm_size_mm 24 24\nmark_size_mm 0.8 0.12\n";
+  const std::string corners[] = {"1 -10 -10", "2 10 -10", "3 10 10", "4 -10 10"};
+  std::string drawn = camera, known = camera;
+  for (const std::string& one : corners) drawn += "mark " + one + " corner\n", known += "mark " + one + "\n";
+  const auto calibration = parse_film_calibration(drawn + "mark 5 10 0 dot\n");
+  ASSERT_TRUE(calibration);
+  FilmTransformation truth;
+  truth.parameters = Eigen::Vector4d(483.2, 477.9, 0.01, 40);
+  Random random(8);
+  const fs::path scan = folder_ / "7.png";
+  ASSERT_TRUE(write_png(scan, rendered_scan(*calibration, truth, 960, 960, {}, 1, random)));
+  InteriorOptions asked{.calibration = file("camera.txt", known + "mark 5 10 0 dot\n")};
+  asked.scans.search_mm = 1.5;
+  const Eigen::Vector2d at = truth.pixel_of({10, -10}), dot = truth.pixel_of({10, 0});
+  const auto click = [](const Eigen::Vector2d& p) { return std::to_string(p.x()) + "," + std::to_string(p.y()); };
+  for (const std::string& clicks : {click(at), click(at) + ";" + click(dot)}) {
+    asked.scans.mark_at = clicks;
+    const auto done = interior_orientation(scan, asked, {});
+    ASSERT_TRUE(done) << done.error().message;
+    EXPECT_EQ(done->images[0].readings.marks.size(), 5u);
+    // Four times the 0.05 px that a likeness with grain of its own is read to.
+    EXPECT_LT((done->images[0].orientation.fit.transformation.pixel_of({3, 4}) - truth.pixel_of({3, 4})).norm(), 0.2);
+  }
+  for (const char* wrong : {"480,480", "5,5", "100", "100,100;", ";"}) {
+    asked.scans.mark_at = wrong;
+    EXPECT_FALSE(interior_orientation(scan, asked, {})) << wrong;
+  }
+}
+
 // Marks are found in a scan that is turned by a quarter, and a scan without marks says so.
 TEST_F(Interior, MarksAreFoundInScans) {
   const std::string camera =

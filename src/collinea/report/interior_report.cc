@@ -56,7 +56,7 @@ std::string parameter_lines(const Image& image, const std::string& unit) {
   for (int i = 0; i < t.parameters.size(); ++i) {
     const Shown s = shown(t, i, unit);
     text += fmt::format("  {:<14}{:>16.{}f} {:<6}", s.name, s.value, s.decimals, s.unit);
-    text += image.has_marks ? fmt::format(" +- {:.{}f}\n", s.sigma, s.decimals) : std::string("\n");
+    text += image.has_marks || s.sigma > 0 ? fmt::format(" +- {:.{}f}\n", s.sigma, s.decimals) : std::string("\n");
   }
   return text;
 }
@@ -125,6 +125,11 @@ std::string image_text(const Image& image, const InteriorReport& report) {
                 : fmt::format(", sigma0 {:.3f} {} ({:.1f} um on the film)", fit.sigma0, report.unit,
                               1e3 * fit.sigma0 / std::sqrt(std::abs(t.by_film({0, 0}).determinant())));
   text += fit.redundancy > 0 ? "\n" : ": nothing checks them\n";
+  if (contradicts_itself(report, image))
+    text +=
+        "  warning: the marks contradict each other by far more than film or readings do. Compare the names of the "
+        "marks, "
+        "the readings and the calibration\n";
   if (t.is_mirrored)
     text += "  seen as in a mirror: rows are counted from below, or the film was scanned from its back\n";
   return text + parameter_lines(image, report.unit) + residual_lines(image, report.unit) +
@@ -133,6 +138,14 @@ std::string image_text(const Image& image, const InteriorReport& report) {
 }
 
 }  // namespace
+
+bool contradicts_itself(const InteriorReport& report, const Image& image) {
+  constexpr double kMostOnFilm_mm = 0.1, kMostTimesGiven = 3;
+  const FilmFit& fit = image.orientation.fit;
+  if (!image.has_marks || fit.redundancy <= 0) return false;
+  if (report.sigmas_are_known) return fit.sigma0 > kMostTimesGiven;
+  return fit.sigma0 > kMostOnFilm_mm * std::sqrt(std::abs(fit.transformation.by_film({0, 0}).determinant()));
+}
 
 std::string interior_text(const InteriorReport& report) {
   const bool is_nominal = !(report.calibration.principal_distance_mm > 0);
@@ -149,6 +162,8 @@ std::string interior_text(const InteriorReport& report) {
                         1e3 * report.calibration.radial_rms_mm);
   for (const Image& image : report.images) text += image_text(image, report);
   if (!report.points.empty()) text += fmt::format("{} points brought to the film\n", report.points.size());
+  if (!report.scan_points.empty())
+    text += fmt::format("{} points of the film brought to the scans\n", report.scan_points.size());
   return text;
 }
 
@@ -163,11 +178,69 @@ TextTable parameter_table(const InteriorReport& report) {
     };
     for (int i = 0; i < t.parameters.size(); ++i) {
       const Shown s = shown(t, i, report.unit);
-      row(s.name, s.value, image.has_marks ? exact(s.sigma) : "", s.unit);
+      row(s.name, s.value, image.has_marks || s.sigma > 0 ? exact(s.sigma) : "", s.unit);
     }
     if (t.model == FilmModel::kRigid) row("scale", t.scale_px_per_mm, "", report.unit == "px" ? "px/mm" : "1");
     if (t.is_mirrored) row("mirrored", 1, "", "1");
     if (image.has_marks) row("sigma0", image.orientation.fit.sigma0, "", report.sigmas_are_known ? "1" : report.unit);
+  }
+  return table;
+}
+
+TextTable covariance_table(const InteriorReport& report) {
+  TextTable table;
+  table.columns = {{"image", ""}, {"parameter_1", ""}, {"parameter_2", ""}, {"covariance", ""}};
+  for (const Image& image : report.images) {
+    const FilmTransformation& t = image.orientation.fit.transformation;
+    const auto name = [&](int i) { return std::string(shown(t, i, report.unit).name); };
+    for (int i = 0; i < t.parameters.size(); ++i)
+      for (int j = i; j < t.parameters.size(); ++j)
+        table.rows.push_back({image.name, name(i), name(j), exact(t.covariance(i, j))});
+  }
+  return table;
+}
+
+TextTable model_test_table(const InteriorReport& report) {
+  TextTable table;
+  table.columns = {{"image", ""}, {"smaller", ""}, {"larger", ""}, {"statistic", ""}, {"chance", ""}};
+  for (const Image& image : report.images)
+    for (const FilmModelTest& test : image.orientation.tests)
+      table.rows.push_back({image.name, std::string(word_of(test.smaller)), std::string(word_of(test.larger)),
+                            exact(test.statistic), exact(test.chance)});
+  return table;
+}
+
+TextTable deformation_table(const InteriorReport& report) {
+  TextTable table;
+  table.columns = {{"image", ""}, {"quantity", ""}, {"value", ""}, {"sigma", ""}, {"unit", ""}};
+  for (const Image& image : report.images) {
+    if (!image.deformation) continue;
+    const auto row = [&](const char* name, const auto& is, const char* unit) {
+      table.rows.push_back({image.name, name, exact(is.value), exact(is.sigma), unit});
+    };
+    const FilmDeformation& d = *image.deformation;
+    if (report.unit == "px") {
+      row("pixel_x", d.pixel_x_um, "um");
+      row("pixel_y", d.pixel_y_um, "um");
+    }
+    if (d.x_ppm) row("longer_x", *d.x_ppm, "ppm");
+    if (d.y_ppm) row("longer_y", *d.y_ppm, "ppm");
+    row("difference", d.difference_ppm, "ppm");
+    row("shear", d.shear_ppm, "ppm");
+    row("rotation", d.rotation_rad, "rad");
+  }
+  return table;
+}
+
+TextTable scan_point_table(const InteriorReport& report) {
+  TextTable table;
+  table.columns = {{"image", ""},     {"point", ""},       {"x", "px"},      {"y", "px"},     {"sigma_x", "px"},
+                   {"sigma_y", "px"}, {"correlation", ""}, {"x_film", "mm"}, {"y_film", "mm"}};
+  for (const InteriorReport::ScanPoint& point : report.scan_points) {
+    const double sx = std::sqrt(point.covariance(0, 0)), sy = std::sqrt(point.covariance(1, 1));
+    table.rows.push_back({point.image, point.point, fixed(point.pixel.x(), 4), fixed(point.pixel.y(), 4), fixed(sx, 4),
+                          fixed(sy, 4), fixed(sx * sy > 0 ? point.covariance(0, 1) / (sx * sy) : 0, 4),
+                          fixed(point.film_mm.x(), 5), fixed(point.film_mm.y(), 5)});
   }
   return table;
 }

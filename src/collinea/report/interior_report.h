@@ -34,12 +34,31 @@ struct InteriorReport {
     Eigen::Matrix2d covariance;  ///< of both [mm^2]
   };
   std::vector<Point> points;
+  /// Points of the film as the scan shows them.
+  struct ScanPoint {
+    std::string image, point;
+    Eigen::Vector2d film_mm, pixel;
+    Eigen::Matrix2d covariance;  ///< of the pixel [px^2]
+  };
+  std::vector<ScanPoint> scan_points;
 };
+
+/// Residuals that no film and no reading of marks explains: more than a tenth of a millimetre on the film, or three
+/// times the standard deviations that were given.
+[[nodiscard]] bool contradicts_itself(const InteriorReport& report, const InteriorReport::Image& image);
 
 /// For a terminal: parameters, residuals, tests, deformation of every image.
 [[nodiscard]] std::string interior_text(const InteriorReport& report);
 
 [[nodiscard]] TextTable parameter_table(const InteriorReport& report);
+/// image parameter_1 parameter_2 covariance; the rotation in rad, each pair once.
+[[nodiscard]] TextTable covariance_table(const InteriorReport& report);
+/// image smaller larger statistic chance, of the tests by which models were chosen.
+[[nodiscard]] TextTable model_test_table(const InteriorReport& report);
+/// image quantity value sigma unit.
+[[nodiscard]] TextTable deformation_table(const InteriorReport& report);
+/// image point x[px] y[px] sigma_x[px] sigma_y[px] correlation x_film[mm] y_film[mm]
+[[nodiscard]] TextTable scan_point_table(const InteriorReport& report);
 [[nodiscard]] TextTable residual_table(const InteriorReport& report);
 /// image point x[mm] y[mm] sigma_x[mm] sigma_y[mm] correlation x_film[mm] y_film[mm]; x, y corrected for the lens, from
 /// the principal point.

@@ -25,6 +25,8 @@ constexpr int kSamples = 8;          // and marks
 constexpr double kPatchSizes = 1.2;  // half of what is drawn so, in sizes of the mark: the dark ground goes on to 1.5
 // Titles of the columns of the true transformations and marks.
 constexpr FileText kScanColumns = "# image, column, row, rotation, scale_x, scale_y, shear\n";
+constexpr FileText kDeformationColumns = "# x [mm], y [mm], displacement x [mm], displacement y [mm]\n";
+constexpr int kGridSteps = 46;  // of 5 mm: a twentieth of the mean wave
 constexpr FileText kFiducialColumns = "# image, mark, x, y\n";
 constexpr std::uint64_t kWearStream = 7000, kGrainStream = 8000, kScratchStream = 9000;
 
@@ -90,6 +92,20 @@ std::string fiducials_text(const FilmTruth& film) {
       const Vector2d at = scan.pixel_of(mark.film_mm);
       text += film.truth.block.images.at(id).file + ", " + mark.name + ", " + fixed(at.x(), 4) + ", " +
               fixed(at.y(), 4) + "\n";
+    }
+  return text;
+}
+
+// Local deformation on a grid over the film.
+std::string deformation_text(const FilmCalibration& calibration, const FilmScan& scan) {
+  std::string text = kDeformationColumns;
+  const Vector2d half = 0.5 * calibration.size_mm;
+  for (int row = 0; row <= kGridSteps; ++row)
+    for (int column = 0; column <= kGridSteps; ++column) {
+      const Vector2d at = 2.0 / kGridSteps * half.cwiseProduct(Vector2d(column, row)) - half;
+      const Vector2d displaced = scan.displacement_mm(at);
+      text +=
+          fixed(at.x(), 4) + ", " + fixed(at.y(), 4) + ", " + exact(displaced.x()) + ", " + exact(displaced.y()) + "\n";
     }
   return text;
 }
@@ -267,7 +283,7 @@ Result<> simulate(const SurveyOptions& survey, const FilmOptions& options, const
   COLLINEA_TRY(const FilmTruth film, make_film_survey(survey, options, run));
   std::error_code error;
   std::filesystem::create_directories(folder / "images", error);
-  std::filesystem::create_directories(folder / "truth", error);
+  std::filesystem::create_directories(folder / "truth/deformation", error);
   if (error) return fail(Errc::kNotFound, folder.string() + ": cannot be made: " + error.message());
   Truth measured = film.truth;
   for (ControlObservation& seen : measured.block.control_observations)
@@ -280,6 +296,9 @@ Result<> simulate(const SurveyOptions& survey, const FilmOptions& options, const
   for (const auto& [id, scan] : film.scans) {
     COLLINEA_TRY(const GreyImage raster, render_scan(film, id, run));
     COLLINEA_TRY(write_jpeg(folder / "images" / film.truth.block.images.at(id).file, raster, kScanQuality));
+    const std::filesystem::path name = std::filesystem::path(film.truth.block.images.at(id).file).stem();
+    COLLINEA_TRY(
+        write_file(folder / "truth/deformation" / (name.string() + ".csv"), deformation_text(film.calibration, scan)));
     run.report("scans", double(++done) / double(film.scans.size()));
   }
   return write_products(film.truth, folder / "truth", film.truth.gsd_m, run);

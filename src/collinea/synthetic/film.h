@@ -59,6 +59,8 @@ struct FilmTruth {
 ///   truth/scans.csv           image, then the affine transformation of the film to the scan: column, row [px] of the
 ///                             origin, rotation [rad], scale_x, scale_y [px/mm], shear; on top of it comes local
 ///                             deformation
+///   truth/deformation/IMG_0001.csv ...   that, on a grid of 5 mm: position on the film, displacement before the affine
+///                             transformation, x right and y up [mm]
 ///   truth/fiducials.csv       image, mark, where it lies in the scan [px]
 [[nodiscard]] Result<> simulate(const SurveyOptions& survey, const FilmOptions& film,
                                 const std::filesystem::path& folder, const Run& run);

@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+
+#include "collinea/base/test_folder.h"
 
 namespace collinea {
 namespace {
@@ -92,6 +95,32 @@ TEST(Film, MarksLieWhereTheTruthSays) {
 }
 
 // Control is measured where the scan shows it: the board is painted there, white and black about its centre.
+// The file of the local deformation and the transformation of the scan are where a mark lies, to the digits written.
+TEST(Film, LocalDeformationIsPartOfTheTruth) {
+  const TestFolder folder;
+  SurveyOptions flight;
+  flight.strips = flight.images_per_strip = 1;
+  flight.control_points = 3;
+  flight.check_points = 1;
+  const FilmOptions options{.scan_um = 400, .wear = {.film_local_um = 40}};
+  const auto done = simulate(flight, options, folder / "film", {.threads = 2});
+  ASSERT_TRUE(done) << done.error().message;
+  const FilmTruth film = *make_film_survey(flight, options, {});
+  const FilmScan& scan = film.scans.begin()->second;
+  std::ifstream in(folder / "film/truth/deformation/IMG_0001.csv");
+  std::string line;
+  ASSERT_TRUE(std::getline(in, line));
+  int rows = 0;
+  double largest = 0;
+  char comma;
+  for (double x, y, dx, dy; in >> x >> comma >> y >> comma >> dx >> comma >> dy; ++rows) {
+    EXPECT_LT((scan.affine.pixel_of({x + dx, y + dy}) - scan.pixel_of({x, y})).norm(), 1e-9);
+    largest = std::max(largest, std::abs(dx));
+  }
+  EXPECT_EQ(rows, 47 * 47);
+  EXPECT_GT(largest, 0.02);
+}
+
 TEST(Film, ControlLiesWhereTheScanShowsIt) {
   SurveyOptions flight = small_flight();
   flight.measurement_sigma_px = 0;
