@@ -8,10 +8,10 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "collinea/epipolar/internal/essential.h"
 #include "collinea/epipolar/pair_shape.h"
-#include "collinea/epipolar/relative_search.h"
 #include "collinea/epipolar/relative_start.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/math/median.h"
@@ -224,7 +224,8 @@ tl::unexpected<Error> undetermined(const Rigid3& motion, std::span<const PairPoi
 // A motion to begin with, and the points that it was made of.
 struct Start {
   Rigid3 motion;
-  std::vector<int> inliers;  // empty: all
+  std::vector<int> inliers = {};  // empty: all
+  std::optional<RelativeSearch> search = {};
 };
 
 std::optional<Start> robust(std::span<const PairPoint> points, std::uint64_t seed) {
@@ -244,7 +245,7 @@ std::optional<Start> robust(std::span<const PairPoint> points, std::uint64_t see
 }
 
 std::optional<Start> searched(std::span<const PairPoint> points) {
-  const auto search = search_relative(points);
+  auto search = search_relative(points);
   if (!search) return std::nullopt;
   const Rigid3* best = nullptr;
   int most = -1;
@@ -253,15 +254,15 @@ std::optional<Start> searched(std::span<const PairPoint> points) {
       most = count;
       best = &motion;
     }
-  return Start{*best, {}};
+  return Start{*best, {}, std::move(search)};
 }
 
 std::optional<Start> start_of(std::span<const PairPoint> points, PairStart kind, std::uint64_t seed) {
   switch (kind) {
     case PairStart::kNearVertical:
-      return Start{motion_of(DependentElements{}), {}};
+      return Start{motion_of(DependentElements{})};
     case PairStart::kLinear:
-      if (const auto elements = linear_parallax(points)) return Start{motion_of(*elements), {}};
+      if (const auto elements = linear_parallax(points)) return Start{motion_of(*elements)};
       return std::nullopt;
     case PairStart::kRobust:
       if (points.size() >= kRobustPoints) return robust(points, seed);
@@ -359,7 +360,7 @@ std::vector<double> distribution_weights(std::span<const PairPoint> points, Pair
 Result<RelativeOrientation> relative_orientation(std::span<const PairPoint> points, const RelativeOptions& options,
                                                  std::uint64_t seed, const std::optional<Rigid3>& given) {
   COLLINEA_TRY(check(points));
-  const auto start = given ? std::optional(Start{*given, {}}) : start_of(points, options.start, seed);
+  const auto start = given ? std::optional(Start{*given}) : start_of(points, options.start, seed);
   if (!start)
     return fail(Errc::kIllPosed, "no approximate values of the relative orientation: the points do not determine it",
                 {"start"_option});
@@ -397,6 +398,7 @@ Result<RelativeOrientation> relative_orientation(std::span<const PairPoint> poin
     COLLINEA_TRY(solve(points, options, work, out));
   }
   out.second_from_first = work.motion;
+  out.search = start->search;
   out.in_front = choice.in_front;
   out.iterations = work.iterations;
   out.covariance = work.covariance;

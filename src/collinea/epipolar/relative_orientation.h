@@ -12,6 +12,7 @@
 #include "collinea/base/result.h"
 #include "collinea/epipolar/pair_point.h"
 #include "collinea/epipolar/relative_elements.h"
+#include "collinea/epipolar/relative_search.h"
 #include "collinea/geometry/rigid3.h"
 
 namespace collinea {
@@ -64,8 +65,8 @@ struct RelativeOptions {
 /// A measured point after the orientation.
 struct PairResidual {
   Eigen::Vector2d first = {0, 0}, second = {0, 0};  ///< adjusted minus observed; of rejected points what it would take
-  double y_parallax = 0;  ///< by how much the rays miss each other, across the base at image scale (for a base along
-                          ///< +-x y2 - y1 of photographs, y up)
+  double y_parallax = 0;    ///< by how much the rays miss each other, across the base at image scale (for a base along
+                            ///< +-x y2 - y1 of photographs, y up)
   double redundancy = 0;    ///< share of an error that shows in the residual; of rejected points 1
   double standardised = 0;  ///< the residual over its standard deviation by the sigmas as given; all four are alike
   double largest = 0;       ///< the longer residual of the two images over the sigma of its coordinates
@@ -88,7 +89,8 @@ struct RelativeOrientation {
   int used = 0;                ///< points
   int in_front = 0;            ///< of those used, in front of both cameras
   std::vector<int> rejected;   ///< in the order of their rejection
-  std::vector<PairResidual> residuals;  ///< of all points
+  std::vector<PairResidual> residuals;        ///< of all points
+  std::optional<RelativeSearch> search = {};  ///< where the start was PairStart::kGrid
 
   /// The covariance to be stated.
   [[nodiscard]] Matrix5 stated_covariance() const { return covariance * variance_factor; }

@@ -107,6 +107,18 @@ TEST(RelativeOrientation, TheGridFindsTheFourSolutions) {
   EXPECT_LT(four[1].in_front, 15);
 }
 
+TEST(RelativeOrientation, TheExhaustiveStartReportsItsSearch) {
+  Random random(13);
+  const auto points = measured(vertical_motion(random), 10, 0, random, ground_point);
+  const auto by_grid = relative_orientation(points, options_of(PairStart::kGrid), 1);
+  ASSERT_TRUE(by_grid && by_grid->search);
+  const auto search = search_relative(points);
+  EXPECT_EQ(by_grid->search->starts, 5408);
+  EXPECT_EQ(by_grid->search->converged, search->converged);
+  EXPECT_EQ(by_grid->search->distinct.size(), 4u);
+  EXPECT_FALSE(relative_orientation(points, options_of(PairStart::kLinear), 1)->search);
+}
+
 TEST(RelativeOrientation, SixPointsAreOrientedByTheGrid) {
   Random random(9);
   const Rigid3 truth = vertical_motion(random);

@@ -8,6 +8,7 @@
 #include "collinea/base/file.h"
 #include "collinea/camera/camera.h"
 #include "collinea/io/text_table.h"
+#include "collinea/jobs/internal/pose_estimates.h"
 
 namespace collinea {
 namespace {
@@ -70,8 +71,26 @@ Result<> scale_by(const TextTable& table, RelativeReport& report) {
   return {};
 }
 
+// Exterior orientation of the second image in the model, x right, y up, z backwards.
+void set_pose(RelativeReport& report) {
+  const RelativeOrientation& orientation = report.orientation;
+  const Rigid3 first_from_model{Eigen::Quaterniond(0, 1, 0, 0), Eigen::Vector3d::Zero()};
+  Rigid3 pose = orientation.second_from_first;
+  pose.translation *= report.base;
+  pose = pose * first_from_model;
+  const auto estimates = estimates_of_pose(pose);
+  for (std::size_t k = 0; k < 6; ++k) report.right_pose[Eigen::Index(k)] = estimates[k].value;
+  Eigen::Matrix<double, 6, 6> of_change = Eigen::Matrix<double, 6, 6>::Zero();
+  of_change.topLeftCorner<5, 5>() = orientation.stated_covariance();
+  if (report.scaled) of_change = report.scaled->covariance;
+  const Eigen::Matrix<double, 6, 6> by = pose_by_change(orientation.second_from_first, report.base);
+  report.right_covariance = covariance_of_estimates(pose, by * of_change * by.transpose());
+}
+
 Result<> write_tables(const RelativeReport& report, const fs::path& folder) {
   COLLINEA_TRY(write_file(folder / "parameters.txt", text_of(relative_parameter_table(report))));
+  COLLINEA_TRY(write_file(folder / "correlations.txt", text_of(relative_correlation_table(report))));
+  COLLINEA_TRY(write_file(folder / "solutions.txt", text_of(relative_solutions_table(report))));
   COLLINEA_TRY(write_file(folder / "residuals.txt", text_of(relative_residual_table(report))));
   COLLINEA_TRY(write_file(folder / "model.txt", text_of(relative_model_table(report))));
   COLLINEA_TRY(write_file(folder / "exterior.txt", text_of(relative_exterior_table(report))));
@@ -96,6 +115,7 @@ Result<RelativeReport> orient_pair(const fs::path& measurements, const RelativeP
   std::vector<PairPoint> used;
   for (std::size_t i = 0; i < report.points.size(); ++i)
     if (report.orientation.residuals[i].used) used.push_back(report.points[i]);
+  report.solutions = relative_solutions(report.orientation.second_from_first, used);
   report.shape = pair_shape(report.orientation.second_from_first, used, report.orientation.normal);
   report.model = model_points(report.orientation, report.points, report.base, true);
   if (options.distances) {
@@ -103,6 +123,7 @@ Result<RelativeReport> orient_pair(const fs::path& measurements, const RelativeP
     COLLINEA_TRY(const TextTable distances, read_text_table(*options.distances));
     COLLINEA_TRY(scale_by(distances, report).map_error(in_distances));
   }
+  set_pose(report);
   if (options.out) COLLINEA_TRY(write_tables(report, *options.out));
   return report;
 }

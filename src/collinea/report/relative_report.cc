@@ -3,63 +3,21 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
-#include "collinea/geometry/rotation.h"
 #include "collinea/math/fisher.h"
+#include "collinea/report/internal/relative_values.h"
 #include "collinea/report/single_step.h"
 
 namespace collinea {
+
+using namespace relative;
+
 namespace {
 
 constexpr double kFront = 0.9, kManyRejected = 0.2;  // shares of the points
-constexpr double kDegrees = 180 / std::numbers::pi;
-
-// One element of the orientation, in the unit for people.
-struct Element {
-  std::string name;
-  double value, sigma;
-  std::string unit;
-};
-
-std::vector<Element> elements_of(const Vector5& values, const Matrix5& covariance,
-                                 const std::array<const char*, 5>& names, int lengths) {
-  std::vector<Element> out;
-  for (int i = 0; i < 5; ++i) {
-    const double factor = i < lengths ? 1 : kDegrees;
-    out.push_back({names[static_cast<std::size_t>(i)], values(i) * factor,
-                   std::sqrt(std::max(0.0, covariance(i, i))) * factor, i < lengths ? "1" : "deg"});
-  }
-  return out;
-}
-
-Matrix5 covariance_by(const Matrix5& by, const RelativeOrientation& orientation) {
-  return by * orientation.stated_covariance() * by.transpose();
-}
-
-std::optional<DependentWithCovariance> dependent(const RelativeReport& report) {
-  const Rigid3& motion = report.orientation.second_from_first;
-  const auto elements = dependent_elements(motion);
-  if (!elements) return std::nullopt;
-  return DependentWithCovariance{*elements, covariance_by(dependent_by_change(motion), report.orientation)};
-}
-
-SymmetricWithCovariance symmetric(const RelativeReport& report) {
-  const Rigid3& motion = report.orientation.second_from_first;
-  return {symmetric_elements(motion), covariance_by(symmetric_by_change(motion), report.orientation)};
-}
-
-std::vector<Element> dependent_list(const DependentWithCovariance& d) {
-  return elements_of(d.elements.values(), d.covariance, {"by", "bz", "omega", "phi", "kappa"}, 2);
-}
-
-std::vector<Element> symmetric_list(const SymmetricWithCovariance& s) {
-  return elements_of(s.elements.values(), s.covariance, {"phi1", "kappa1", "omega2", "phi2", "kappa2"}, 0);
-}
 
 std::string list_text(const std::vector<Element>& elements, const Matrix5& covariance) {
   std::string text;
@@ -75,21 +33,6 @@ std::string list_text(const std::vector<Element>& elements, const Matrix5& covar
   }
   return text;
 }
-
-// Residuals in the unit and the axes of the table.
-Eigen::Vector4d residual_of(const RelativeReport& report, std::size_t i) {
-  const PairResidual& residual = report.orientation.residuals[i];
-  const double f = report.frame.camera.focal_px();
-  Eigen::Vector4d v;
-  v << residual.first * f, residual.second * f;
-  if (report.frame.y_up) {
-    v(1) = -v(1);
-    v(3) = -v(3);
-  }
-  return v;
-}
-
-double unit_weight(const RelativeReport& report) { return std::sqrt(report.orientation.variance_factor); }
 
 std::string head(const RelativeReport& report) {
   const RelativeOrientation& o = report.orientation;
@@ -114,6 +57,39 @@ std::string head(const RelativeReport& report) {
   return text;
 }
 
+// How the exhaustive search went, where it was the start.
+std::string start_text(const RelativeReport& report) {
+  const auto& search = report.orientation.search;
+  if (!search) return "";
+  return fmt::format(
+      "exhaustive search: {} of {} starts converge; {} different orientations fit as well as the best, "
+      "misclosure {:.2g} (unit rays, unit base)\n",
+      search->converged, search->starts, search->distinct.size(), search->rms);
+}
+
+// The four motions with the same coplanarity, and which of them was chosen.
+std::string solutions_text(const RelativeReport& report) {
+  std::string text = fmt::format("the four solutions, points of {} in front of both images; the first one is chosen:\n",
+                                 report.orientation.used);
+  text += fmt::format("  {:>8}{:>5}{:>11}{:>11}{:>11}{:>11}{:>11} {}\n", "in front", "bx", "by", "bz", "omega deg",
+                      "phi deg", "kappa deg", " phi1, kappa1, omega2, phi2, kappa2 deg");
+  for (const RelativeSolution& solution : report.solutions) {
+    text += fmt::format("  {:>8}", solution.in_front);
+    if (const auto d = dependent_elements(solution.second_from_first))
+      text += fmt::format("{:>5g}{:>11.5f}{:>11.5f}{:>11.5f}{:>11.5f}{:>11.5f}  ", d->bx, d->by, d->bz,
+                          d->omega * kDegrees, d->phi * kDegrees, d->kappa * kDegrees);
+    else
+      text += fmt::format("{:>5}{:>11}{:>11}{:>11}{:>11}{:>11}  ", "-", "-", "-", "-", "-", "-");
+    const SymmetricElements s = symmetric_elements(solution.second_from_first);
+    for (const double angle : {s.phi1, s.kappa1, s.omega2, s.phi2, s.kappa2})
+      text += fmt::format(" {:.5f}", angle * kDegrees);
+    text += "\n";
+  }
+  if (report.solutions[1].in_front == report.solutions[0].in_front)
+    text += "wrong: two solutions have as many points in front; nothing decides between them\n";
+  return text;
+}
+
 std::string elements_text(const RelativeReport& report) {
   std::string text;
   if (const auto d = dependent(report))
@@ -122,8 +98,7 @@ std::string elements_text(const RelativeReport& report) {
     text += "dependent pair: the base has no component along x, by and bz are without bound\n";
   const SymmetricWithCovariance s = symmetric(report);
   text += "symmetric pair (independent), omega1 = 0:\n" + list_text(symmetric_list(s), s.covariance);
-  text += fmt::format("of the four solutions this one has {} of {} points in front of both images\n",
-                      report.orientation.in_front, report.orientation.used);
+  text += start_text(report) + solutions_text(report);
   const RelativeOrientation& o = report.orientation;
   if (o.in_front < kFront * o.used)
     text += "wrong: rays of many points meet behind an image. The points are not those of two views of one object\n";
@@ -252,141 +227,10 @@ std::string distances_text(const RelativeReport& report) {
   return text;
 }
 
-std::string value(double v) { return fmt::format("{:.9g}", v); }
-
 }  // namespace
 
 std::string relative_text(const RelativeReport& report) {
   return head(report) + elements_text(report) + residuals_text(report) + distances_text(report) + shape_text(report);
-}
-
-TextTable relative_parameter_table(const RelativeReport& report) {
-  TextTable table;
-  table.remarks = {"dependent pair: bx is the unit of by and bz; symmetric pair: omega1 = 0"};
-  table.columns = {{"form", ""}, {"element", ""}, {"value", ""}, {"sigma", ""}, {"unit", ""}};
-  const auto add = [&](const char* form, const std::vector<Element>& elements) {
-    for (const Element& e : elements) table.rows.push_back({form, e.name, value(e.value), value(e.sigma), e.unit});
-  };
-  if (const auto d = dependent(report)) {
-    table.rows.push_back({"dependent", "bx", value(d->elements.bx), "0", "1"});
-    add("dependent", dependent_list(*d));
-  }
-  add("symmetric", symmetric_list(symmetric(report)));
-  return table;
-}
-
-TextTable relative_residual_table(const RelativeReport& report) {
-  const std::string unit(report.frame.unit());
-  TextTable table;
-  table.columns = {{"point", ""},       {"v_x_left", unit},  {"v_y_left", unit},
-                   {"v_x_right", unit}, {"v_y_right", unit}, {"y_parallax", unit},
-                   {"redundancy", ""},  {"test", ""},        {"used", ""}};
-  const double weight = unit_weight(report);
-  for (std::size_t i = 0; i < report.points.size(); ++i) {
-    const PairResidual& residual = report.orientation.residuals[i];
-    const Eigen::Vector4d v = residual_of(report, i);
-    table.rows.push_back({report.names[i], value(v(0)), value(v(1)), value(v(2)), value(v(3)),
-                          value(residual.y_parallax * report.frame.camera.focal_px()), value(residual.redundancy),
-                          value(weight > 0 ? residual.standardised / weight : 0), residual.used ? "yes" : "no"});
-  }
-  return table;
-}
-
-TextTable relative_model_table(const RelativeReport& report) {
-  const std::string unit = report.base_is_given ? "m" : "";
-  TextTable table;
-  table.remarks = {fmt::format("model coordinates: axes of the left image (x right, y up, z backwards), base {:g} {}",
-                               report.base, unit)};
-  table.columns = {{"point", ""},
-                   {"U", unit},
-                   {"V", unit},
-                   {"W", unit},
-                   {"sigma_U", unit},
-                   {"sigma_V", unit},
-                   {"sigma_W", unit},
-                   {"correlation_UV", ""},
-                   {"correlation_UW", ""},
-                   {"correlation_VW", ""},
-                   {"parallax", unit},
-                   {"used", ""}};
-  for (std::size_t i = 0; i < report.points.size(); ++i) {
-    const auto& point = report.model.points[i];
-    if (!point) continue;
-    const Eigen::Vector3d& p = point->position;
-    const Eigen::Matrix3d& c = point->covariance;
-    const Eigen::Vector3d s = c.diagonal().cwiseMax(1e-300).cwiseSqrt();
-    const double parallax = std::copysign(point->parallax.norm(), report.orientation.residuals[i].y_parallax);
-    table.rows.push_back({report.names[i], value(p.x()), value(p.y()), value(p.z()), value(s.x()), value(s.y()),
-                          value(s.z()), value(c(0, 1) / (s.x() * s.y())), value(c(0, 2) / (s.x() * s.z())),
-                          value(c(1, 2) / (s.y() * s.z())), value(parallax),
-                          report.orientation.residuals[i].used ? "yes" : "no"});
-  }
-  return table;
-}
-
-TextTable relative_exterior_table(const RelativeReport& report) {
-  const std::string unit = report.base_is_given ? "m" : "";
-  TextTable table;
-  table.columns = {{"image", ""},    {"X", unit},    {"Y", unit},     {"Z", unit},
-                   {"omega", "deg"}, {"phi", "deg"}, {"kappa", "deg"}};
-  const Eigen::Vector3d& centre = report.model.second_centre.position;
-  const Eigen::Quaterniond first_from_model(0, 1, 0, 0);
-  const OmegaPhiKappa angles =
-      omega_phi_kappa((report.orientation.second_from_first.rotation * first_from_model).normalized());
-  table.rows.push_back({"left", "0", "0", "0", "0", "0", "0"});
-  table.rows.push_back({"right", value(centre.x()), value(centre.y()), value(centre.z()), value(angles.omega_deg),
-                        value(angles.phi_deg), value(angles.kappa_deg)});
-  return table;
-}
-
-std::string pair_shape_svg(const RelativeReport& report) {
-  constexpr double kSize = 480, kMargin = 40;
-  std::string body;
-  if (report.shape) {
-    const PairShape& shape = *report.shape;
-    std::vector<Eigen::Vector2d> across;
-    Eigen::Vector2d low(0, 0), high(0, 0);
-    const auto widen = [&](const Eigen::Vector2d& p) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    };
-    for (const auto& point : report.model.points) {
-      if (!point || !point->in_front) continue;
-      const Eigen::Vector3d in_camera =
-          Eigen::Vector3d(point->position.x(), -point->position.y(), -point->position.z());
-      across.emplace_back(shape.across_in_first.transpose() * in_camera);
-      widen(across.back());
-    }
-    const bool draws_circle = shape.cylinder && shape.cylinder->radius < 2 * shape.distance;
-    if (draws_circle) {
-      const Eigen::Vector2d r = Eigen::Vector2d::Constant(shape.cylinder->radius * report.base);
-      widen(shape.cylinder->centre * report.base - r);
-      widen(shape.cylinder->centre * report.base + r);
-    }
-    const double scale = (kSize - 2 * kMargin) / std::max({high.x() - low.x(), high.y() - low.y(), 1e-9});
-    const auto at = [&](const Eigen::Vector2d& p) {
-      return Eigen::Vector2d(kMargin + (p.x() - low.x()) * scale, kMargin + (p.y() - low.y()) * scale);
-    };
-    if (draws_circle) {
-      const Eigen::Vector2d c = at(shape.cylinder->centre * report.base);
-      body += fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='{:.1f}' fill='none' stroke='#b33' stroke-width='1.5'/>\n",
-                          c.x(), c.y(), shape.cylinder->radius * report.base * scale);
-    }
-    for (const Eigen::Vector2d& p : across)
-      body += fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='2.5' fill='#246'/>\n", at(p).x(), at(p).y());
-    const Eigen::Vector2d base = at({0, 0});
-    body += fmt::format(
-        "<rect x='{:.1f}' y='{:.1f}' width='8' height='8' fill='#000'/>\n<text x='{:.1f}' y='{:.1f}'>base</text>\n",
-        base.x() - 4, base.y() - 4, base.x() + 8, base.y() - 6);
-    if (shape.cylinder)
-      body += fmt::format("<text x='10' y='{:.0f}'>roughness {:.1f} % of the distance, epsilon {:.2g}</text>\n",
-                          kSize - 10, 100 * shape.cylinder->roughness / shape.distance, shape.epsilon);
-  }
-  return fmt::format(
-      "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {0:.0f} {0:.0f}' width='{0:.0f}' height='{0:.0f}' "
-      "font-family='sans-serif' font-size='13'>\n<rect width='100%' height='100%' fill='#fff'/>\n<text x='10' y='18'>"
-      "points seen along the base, and the nearest critical cylinder</text>\n{1}</svg>\n",
-      kSize, body);
 }
 
 }  // namespace collinea

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,7 +29,13 @@ struct RelativeReport {
   bool base_is_given = false;  ///< then it is in m
   RelativeOrientation orientation;
   std::optional<PairShape> shape;
-  PairModel model;  ///< x right, y up, z backwards
+  PairModel model;                            ///< x right, y up, z backwards
+  std::array<RelativeSolution, 4> solutions;  ///< by the points used; the first one is the orientation
+  /// Exterior orientation of the second image in the model: X, Y, Z (in the unit of the base), omega, phi, kappa [deg].
+  /// The first image stands at 0. The covariance holds sigma0 where sigmas were not given, and the base's where
+  /// distances gave it.
+  Eigen::Matrix<double, 6, 1> right_pose = Eigen::Matrix<double, 6, 1>::Zero();
+  Eigen::Matrix<double, 6, 6> right_covariance = Eigen::Matrix<double, 6, 6>::Zero();
   struct Distance {
     std::string from, to;
     double length_m = 0, sigma_m = 0;
@@ -41,11 +49,15 @@ struct RelativeReport {
 
 /// element value sigma unit, of the dependent and the symmetric form.
 [[nodiscard]] TextTable relative_parameter_table(const RelativeReport& report);
+/// form element other correlation, of the dependent and the symmetric form.
+[[nodiscard]] TextTable relative_correlation_table(const RelativeReport& report);
+/// solution form element value unit in_front: the four solutions, the chosen one first.
+[[nodiscard]] TextTable relative_solutions_table(const RelativeReport& report);
 /// point, four residuals, y-parallax, redundancy number, standardised residual, used or rejected.
 [[nodiscard]] TextTable relative_residual_table(const RelativeReport& report);
 /// point U V W with standard deviations, correlations and the length of the spatial parallax.
 [[nodiscard]] TextTable relative_model_table(const RelativeReport& report);
-/// image X Y Z omega phi kappa of both images in the model.
+/// image X Y Z omega phi kappa of both images in the model, with standard deviations and correlations.
 [[nodiscard]] TextTable relative_exterior_table(const RelativeReport& report);
 /// The points seen along the base, with the cylinder on which they would leave the orientation undetermined: an SVG.
 [[nodiscard]] std::string pair_shape_svg(const RelativeReport& report);
