@@ -87,10 +87,44 @@ void set_pose(RelativeReport& report) {
   report.right_covariance = covariance_of_estimates(pose, by * of_change * by.transpose());
 }
 
+// What there is to say of points that leave no orientation: behind the error, and as a picture in the folder.
+Error described(Error error, RelativeReport& report, const RelativePairOptions& options) {
+  if (error.code != Errc::kIllPosed) return error;
+  const auto critical = critical_pair(report.points, report.options, options.seed);
+  if (!critical) return error;
+  report.orientation.second_from_first = critical->second_from_first;
+  report.orientation.residuals.assign(report.points.size(), {});
+  report.orientation.covariance.setZero();
+  report.shape = critical->shape;
+  report.model = model_points(report.orientation, report.points, report.base, true);
+  const std::string text = pair_shape_text(report);
+  if (options.out) {
+    const auto written = write_file(*options.out / "geometry.txt", text).and_then([&] {
+      return write_file(*options.out / "geometry.svg", pair_shape_svg(report));
+    });
+    if (!written) return written.error();
+  }
+  return std::move(error).advising("\n" + text);
+}
+
+// The other orientation of a plane and the simplified one, where the report is to have them.
+void set_others(RelativeReport& report, const std::vector<PairPoint>& used) {
+  const auto is_found = [&](PairWeakness weakness) {
+    return report.shape && std::ranges::find(report.shape->weaknesses, weakness) != report.shape->weaknesses.end();
+  };
+  if (is_found(PairWeakness::kPlane) || is_found(PairWeakness::kNearPlane))
+    report.second = second_orientation(report.orientation.second_from_first, *report.shape, used, report.options);
+  if (report.options.start == PairStart::kLinear) report.linear = linear_orientation(used);
+}
+
 Result<> write_tables(const RelativeReport& report, const fs::path& folder) {
   COLLINEA_TRY(write_file(folder / "parameters.txt", text_of(relative_parameter_table(report))));
   COLLINEA_TRY(write_file(folder / "correlations.txt", text_of(relative_correlation_table(report))));
   COLLINEA_TRY(write_file(folder / "solutions.txt", text_of(relative_solutions_table(report))));
+  if (report.linear) {
+    COLLINEA_TRY(write_file(folder / "linear.txt", text_of(relative_linear_table(report))));
+    COLLINEA_TRY(write_file(folder / "linear_parallaxes.txt", text_of(relative_linear_parallax_table(report))));
+  }
   COLLINEA_TRY(write_file(folder / "residuals.txt", text_of(relative_residual_table(report))));
   COLLINEA_TRY(write_file(folder / "model.txt", text_of(relative_model_table(report))));
   COLLINEA_TRY(write_file(folder / "exterior.txt", text_of(relative_exterior_table(report))));
@@ -111,12 +145,15 @@ Result<RelativeReport> orient_pair(const fs::path& measurements, const RelativeP
   report.base_is_given = options.base_m.has_value();
   report.base = options.base_m.value_or(1);
   COLLINEA_TRY(report.orientation,
-               relative_orientation(report.points, report.options, options.seed).map_error(in_file));
+               relative_orientation(report.points, report.options, options.seed).map_error([&](Error e) {
+                 return in_file(described(std::move(e), report, options));
+               }));
   std::vector<PairPoint> used;
   for (std::size_t i = 0; i < report.points.size(); ++i)
     if (report.orientation.residuals[i].used) used.push_back(report.points[i]);
   report.solutions = relative_solutions(report.orientation.second_from_first, used);
   report.shape = pair_shape(report.orientation.second_from_first, used, report.orientation.normal);
+  set_others(report, used);
   report.model = model_points(report.orientation, report.points, report.base, true);
   if (options.distances) {
     const auto in_distances = [&](Error e) { return std::move(e).within(options.distances->string()); };

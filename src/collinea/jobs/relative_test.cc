@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
@@ -222,6 +223,49 @@ TEST_F(RelativePair, TheFourSolutionsStandInTextAndTable) {
   const std::string text = relative_text(*report);
   EXPECT_NE(text.find("of 5408 starts converge; 4 different"), std::string::npos) << text;
   EXPECT_NE(text.find("the four solutions, points of 24 in front"), std::string::npos) << text;
+}
+
+// Where points leave no orientation, conditioning and picture are what there is to see.
+TEST_F(RelativePair, ACriticalPairLeavesItsGeometry) {
+  std::string text = "point x_left[mm] y_left[mm] x_right[mm] y_right[mm]\n";
+  for (int i = 0; i < 24; ++i) {
+    const double angle = -1 + i / 12.0, x = (i % 5) / 4.0, y = 0.8 * std::sin(angle), z = 0.8 + 0.8 * std::cos(angle);
+    char line[200];
+    std::snprintf(line, sizeof line, "C%d %.12f %.12f %.12f %.12f\n", i, 153 * x / z, -153 * y / z, 153 * (x - 1) / z,
+                  -153 * y / z);
+    text += line;
+  }
+  options_.out = folder_ / "critical";
+  options_.adjustment.start = PairStart::kNearVertical;
+  const auto report = orient_pair(write(text), options_);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().code, Errc::kIllPosed);
+  EXPECT_NE(report.error().message.find("lambda_min / lambda_max"), std::string::npos) << report.error().message;
+  EXPECT_NE(report.error().message.find("critical: points and base lie on a cylinder"), std::string::npos);
+  EXPECT_TRUE(fs::exists(*options_.out / "geometry.svg"));
+  EXPECT_TRUE(fs::exists(*options_.out / "geometry.txt"));
+}
+
+TEST_F(RelativePair, TheSimplifiedOrientationStandsBesideTheRigorousOne) {
+  options_.out = folder_ / "out";
+  const auto report = orient_pair(simulated("point x_left[mm] y_left[mm] x_right[mm] y_right[mm]", false), options_);
+  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_TRUE(report->linear);
+  const TextTable table = relative_linear_table(*report);
+  const auto linear = table.numbers("linear", ""), rigorous = table.numbers("rigorous", ""),
+             difference = table.numbers("difference", ""), sigma = table.numbers("sigma", "");
+  ASSERT_TRUE(linear && rigorous && difference && sigma);
+  const double kept[] = {truth_.by, truth_.bz, truth_.omega, truth_.phi, truth_.kappa};
+  for (std::size_t k = 0; k < 5; ++k) {
+    EXPECT_NEAR((*difference)[k], (*linear)[k] - (*rigorous)[k], 1e-8);
+    // Products of elements of 0.03, and noise
+    EXPECT_NEAR((*linear)[k] * (k < 2 ? 1 : std::numbers::pi / 180), kept[k], 3e-3) << k;
+    EXPECT_GT((*sigma)[k], 0);
+  }
+  EXPECT_EQ(relative_linear_parallax_table(*report).rows.size(), 24u);
+  EXPECT_NE(relative_text(*report).find("simplified orientation"), std::string::npos);
+  options_.adjustment.start = PairStart::kNearVertical;
+  EXPECT_FALSE(orient_pair(folder_ / "pair.txt", options_)->linear);
 }
 
 TEST_F(RelativePair, RefusesTablesThatAreNone) {

@@ -29,6 +29,8 @@ struct RelativeReport {
   bool base_is_given = false;  ///< then it is in m
   RelativeOrientation orientation;
   std::optional<PairShape> shape;
+  std::optional<RelativeOrientation> second;  ///< the other one of points in or near a plane (second_orientation())
+  std::optional<LinearOrientation> linear;    ///< of the points used, where it was the start
   PairModel model;                            ///< x right, y up, z backwards
   std::array<RelativeSolution, 4> solutions;  ///< by the points used; the first one is the orientation
   /// Exterior orientation of the second image in the model: X, Y, Z (in the unit of the base), omega, phi, kappa [deg].
@@ -49,6 +51,12 @@ struct RelativeReport {
 
 /// element value sigma unit, of the dependent and the symmetric form.
 [[nodiscard]] TextTable relative_parameter_table(const RelativeReport& report);
+/// element linear sigma rigorous difference unit: the simplified orientation beside the rigorous one.
+[[nodiscard]] TextTable relative_linear_table(const RelativeReport& report);
+/// point parallax: residual y-parallaxes of the simplified orientation, of the points used.
+[[nodiscard]] TextTable relative_linear_parallax_table(const RelativeReport& report);
+/// What is known of the geometry of a pair that leaves no orientation: conditioning, null vector, surfaces.
+[[nodiscard]] std::string pair_shape_text(const RelativeReport& report);
 /// form element other correlation, of the dependent and the symmetric form.
 [[nodiscard]] TextTable relative_correlation_table(const RelativeReport& report);
 /// solution form element value unit in_front: the four solutions, the chosen one first.
@@ -59,7 +67,8 @@ struct RelativeReport {
 [[nodiscard]] TextTable relative_model_table(const RelativeReport& report);
 /// image X Y Z omega phi kappa of both images in the model, with standard deviations and correlations.
 [[nodiscard]] TextTable relative_exterior_table(const RelativeReport& report);
-/// The points seen along the base, with the cylinder on which they would leave the orientation undetermined: an SVG.
+/// The points seen along the base, with the nearest critical cylinder and the nearest plane through the base, and seen
+/// along the plane that fits them best: an SVG.
 [[nodiscard]] std::string pair_shape_svg(const RelativeReport& report);
 
 }  // namespace collinea

@@ -117,6 +117,35 @@ TextTable relative_correlation_table(const RelativeReport& report) {
   return table;
 }
 
+TextTable relative_linear_table(const RelativeReport& report) {
+  TextTable table;
+  table.columns = {{"element", ""}, {"linear", ""}, {"sigma", ""}, {"rigorous", ""}, {"difference", ""}, {"unit", ""}};
+  const auto d = dependent_elements(report.orientation.second_from_first);
+  if (!report.linear || !d) return table;
+  const LinearOrientation& linear = *report.linear;
+  const double of_unit = report.options.sigma_known || linear.redundancy == 0 ? 1 : linear.sigma0;
+  DependentElements rigorous = *d;  // over bx, as the linear equations have them
+  rigorous.by *= d->bx;
+  rigorous.bz *= d->bx;
+  const auto list = dependent_list({linear.elements, linear.covariance * of_unit * of_unit}),
+             others = dependent_list({rigorous, Matrix5::Zero()});
+  for (std::size_t k = 0; k < list.size(); ++k)
+    table.rows.push_back({list[k].name, value(list[k].value), value(list[k].sigma), value(others[k].value),
+                          value(list[k].value - others[k].value), list[k].unit});
+  return table;
+}
+
+TextTable relative_linear_parallax_table(const RelativeReport& report) {
+  TextTable table;
+  table.columns = {{"point", ""}, {"parallax", std::string(report.frame.unit())}};
+  if (!report.linear) return table;
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < report.names.size(); ++i)
+    if (report.orientation.residuals[i].used)
+      table.rows.push_back({report.names[i], value(report.linear->parallaxes[k++] * report.frame.camera.focal_px())});
+  return table;
+}
+
 TextTable relative_solutions_table(const RelativeReport& report) {
   TextTable table;
   table.columns = {{"solution", ""}, {"form", ""}, {"element", ""}, {"value", ""}, {"unit", ""}, {"in_front", ""}};

@@ -178,14 +178,47 @@ std::string sentence_of(PairWeakness weakness, const RelativeReport& report) {
       return "critical: the points lie in one plane with the base: measure points on both sides of it\n";
     case PairWeakness::kNarrow:
       return fmt::format(
-          "weak: the points lie in a narrow band along the base ({:.1f} degrees, one standard deviation): measure "
-          "points further from it\n",
-          shape.breadth * kDegrees);
+          "weak: the points lie near one plane with the base, in a narrow band along it ({:.1f} degrees, one standard "
+          "deviation; rough by {}): measure points further from it\n",
+          shape.breadth * kDegrees, metres(shape.base_plane_roughness));
+    case PairWeakness::kNearPlane:
+      return fmt::format("note: the points lie near a plane (within {}, {:.1f} % of the distance)\n",
+                         metres(shape.plane_roughness), 100 * shape.plane_roughness / shape.distance);
     case PairWeakness::kShortBase:
       return fmt::format("weak: rays meet at {:.2f} degrees only: the base is short\n",
                          shape.median_angle_rad * kDegrees);
   }
   return "";
+}
+
+// The other orientation that a plane allows, and whether the points tell it from this one.
+std::string second_text(const RelativeReport& report) {
+  if (!report.second) return "";
+  const RelativeOrientation& second = *report.second;
+  std::string text =
+      fmt::format("the second orientation of that plane, {} of {} points in front:\n", second.in_front, second.used);
+  if (const auto d = dependent_elements(second.second_from_first))
+    text += fmt::format("  bx {:g}, by {:.5f}, bz {:.5f}, omega {:.5f}, phi {:.5f}, kappa {:.5f} deg\n", d->bx, d->by,
+                        d->bz, d->omega * kDegrees, d->phi * kDegrees, d->kappa * kDegrees);
+  const SymmetricElements s = symmetric_elements(second.second_from_first);
+  text +=
+      fmt::format("  phi1 {:.5f}, kappa1 {:.5f}, omega2 {:.5f}, phi2 {:.5f}, kappa2 {:.5f} deg\n", s.phi1 * kDegrees,
+                  s.kappa1 * kDegrees, s.omega2 * kDegrees, s.phi2 * kDegrees, s.kappa2 * kDegrees);
+  return text + fmt::format("  its sigma0 is {:.3f}, that of the first one {:.3f}\n", second.sigma0,
+                            report.orientation.sigma0);
+}
+
+// The simplified orientation beside the rigorous one.
+std::string linear_text(const RelativeReport& report) {
+  if (!report.linear) return "";
+  const LinearOrientation& linear = *report.linear;
+  double squares = 0;
+  for (const double parallax : linear.parallaxes) squares += parallax * parallax;
+  const double rms = std::sqrt(squares / double(linear.parallaxes.size())) * report.frame.camera.focal_px();
+  return fmt::format(
+      "simplified orientation, linear in the y-parallaxes (bx = 1; products of elements neglected), and "
+      "the rigorous one:\n{}its residual y-parallax, root mean square: {:.4f} {}; sigma0 {:.3f}\n",
+      indented_rows(relative_linear_table(report)), rms, report.frame.unit(), linear.sigma0);
 }
 
 std::string shape_text(const RelativeReport& report) {
@@ -202,6 +235,8 @@ std::string shape_text(const RelativeReport& report) {
       "{:.1f} times\n",
       shape.epsilon_raw, shape.epsilon, shape.inflation);
   text += fmt::format("known worst, each in units of its sigma with the others known: {}\n", null_text(shape));
+  text += fmt::format("roughness of the plane that fits best: {:.4g}, of the plane through the base: {:.4g}\n",
+                      shape.plane_roughness * report.base, shape.base_plane_roughness * report.base);
   if (shape.cylinder)
     text += fmt::format(
         "cylinder through the base that fits best: radius {:.4g}, roughness {:.4g} ({:.1f} % of the "
@@ -209,7 +244,7 @@ std::string shape_text(const RelativeReport& report) {
         shape.cylinder->radius * report.base, shape.cylinder->roughness * report.base,
         100 * shape.cylinder->roughness / shape.distance);
   for (const PairWeakness weakness : shape.weaknesses) text += sentence_of(weakness, report);
-  return text;
+  return text + second_text(report);
 }
 
 std::string distances_text(const RelativeReport& report) {
@@ -230,7 +265,10 @@ std::string distances_text(const RelativeReport& report) {
 }  // namespace
 
 std::string relative_text(const RelativeReport& report) {
-  return head(report) + elements_text(report) + residuals_text(report) + distances_text(report) + shape_text(report);
+  return head(report) + elements_text(report) + linear_text(report) + residuals_text(report) + distances_text(report) +
+         shape_text(report);
 }
+
+std::string pair_shape_text(const RelativeReport& report) { return shape_text(report); }
 
 }  // namespace collinea
