@@ -115,7 +115,8 @@ int main(int argc, char** argv) {
   const int pairs = argc > 1 ? std::atoi(argv[1]) : 500;
   for (const PairStart start : {PairStart::kNearVertical, PairStart::kLinear, PairStart::kRobust, PairStart::kGrid})
     judge("vertical", vertical, start, pairs);
-  for (const PairStart start : {PairStart::kRobust, PairStart::kGrid}) judge("general", general, start, pairs);
+  for (const PairStart start : {PairStart::kNearVertical, PairStart::kLinear, PairStart::kRobust, PairStart::kGrid})
+    judge("general", general, start, pairs);
   Random random(7);
   const Pair pair = vertical(1000, random);
   std::printf(

@@ -85,22 +85,25 @@ std::optional<CriticalCylinder> cylinder_through(const std::vector<Eigen::Vector
   return out;
 }
 
-// RMS distance of points from the plane that fits them best, through their middle.
-double plane_roughness(const std::vector<Eigen::Vector3d>& points) {
+// The plane that fits points best, through their middle, and their RMS distance from it.
+void set_plane(const std::vector<Eigen::Vector3d>& points, PairShape& shape) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& p : points) mean += p / static_cast<double>(points.size());
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const Eigen::Vector3d& p : points) scatter += (p - mean) * (p - mean).transpose();
-  const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvalues()(0);
-  return std::sqrt(std::max(0.0, least) / static_cast<double>(points.size()));
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
+  shape.plane_roughness = std::sqrt(std::max(0.0, solver.eigenvalues()(0)) / static_cast<double>(points.size()));
+  shape.plane_normal = solver.eigenvectors().col(0);
+  shape.plane_middle = mean;
 }
 
-// Their RMS distance from the plane through the base that fits them best.
-double base_plane_roughness(const std::vector<Eigen::Vector2d>& across) {
+// The plane through the base that fits them best.
+void set_base_plane(const std::vector<Eigen::Vector2d>& across, PairShape& shape) {
   Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
   for (const Eigen::Vector2d& p : across) scatter += p * p.transpose();
-  const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(scatter).eigenvalues()(0);
-  return std::sqrt(std::max(0.0, least) / static_cast<double>(across.size()));
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(scatter);
+  shape.base_plane_roughness = std::sqrt(std::max(0.0, solver.eigenvalues()(0)) / static_cast<double>(across.size()));
+  shape.base_plane_direction = solver.eigenvectors().col(1);
 }
 
 // Conditioning of the elements of a dependent pair; of the changes themselves where these elements are singular.
@@ -147,6 +150,8 @@ void set_weaknesses(PairShape& shape) {
   if (shape.plane_roughness <
       std::max(1e-6 * shape.distance, std::min(kFlatRoughness * shape.distance, kBeyondNoise * shape.plane_sigma)))
     found.push_back(PairWeakness::kPlane);
+  else if (shape.plane_roughness < kNearRoughness * shape.distance)
+    found.push_back(PairWeakness::kNearPlane);
   if (shape.median_angle_rad < kShortBase_rad) found.push_back(PairWeakness::kShortBase);
 }
 
@@ -195,9 +200,9 @@ std::optional<PairShape> pair_shape(const Rigid3& second_from_first, std::span<c
   shape.breadth = std::sqrt(std::max(0.0, squares - mean * mean));
   shape.median_angle_rad = median(std::move(model.angles));
   shape.cylinder = cylinder_through(across);
-  shape.plane_roughness = plane_roughness(model.points);
+  set_plane(model.points, shape);
   shape.plane_sigma = std::sqrt(noise);
-  shape.base_plane_roughness = base_plane_roughness(across);
+  set_base_plane(across, shape);
   set_conditioning(second_from_first, normal, shape);
   set_weaknesses(shape);
   return shape;

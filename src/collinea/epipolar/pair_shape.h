@@ -15,14 +15,24 @@
 namespace collinea {
 
 /// What in the shape of an object or of a pair weakens its relative orientation.
-enum class PairWeakness : std::uint8_t { kCylinder, kNearCylinder, kPlane, kBasePlane, kNarrow, kShortBase };
+enum class PairWeakness : std::uint8_t {
+  kCylinder,
+  kNearCylinder,
+  kPlane,
+  kBasePlane,
+  kNarrow,
+  kShortBase,
+  kNearPlane
+};
 inline constexpr Word<PairWeakness> kPairWeaknessWords[] = {
     {PairWeakness::kCylinder, "cylinder", "points and base lie on a cylinder (a critical surface)"},
     {PairWeakness::kNearCylinder, "near_cylinder", "points and base lie near a cylinder (a critical surface)"},
     {PairWeakness::kPlane, "plane", "the points lie in a plane: a second orientation fits them as well, or nearly"},
     {PairWeakness::kBasePlane, "base_plane", "the points lie in one plane with the base"},
-    {PairWeakness::kNarrow, "narrow", "the points lie in a narrow band along the base"},
-    {PairWeakness::kShortBase, "short_base", "the rays are nearly parallel: the base is short"}};
+    {PairWeakness::kNarrow, "narrow",
+     "the points lie near one plane with the base (a critical surface), in a narrow band along it"},
+    {PairWeakness::kShortBase, "short_base", "the rays are nearly parallel: the base is short"},
+    {PairWeakness::kNearPlane, "near_plane", "the points lie near a plane: a second orientation fits them nearly"}};
 [[nodiscard]] constexpr std::span<const Word<PairWeakness>> words(PairWeakness) { return kPairWeaknessWords; }
 
 /// The cylinder along the base that fits the points best: its axis is parallel to the base, which lies on it. Lengths
@@ -42,9 +52,11 @@ struct PairShape {
   double breadth = 0;                        ///< standard deviation of the direction to the points about the base [rad]
   double median_angle_rad = 0;               ///< under which rays meet
   std::optional<CriticalCylinder> cylinder;  ///< nothing when points and base lie in a plane
-  double plane_roughness = 0;       ///< RMS distance of the points from the plane that fits them best, in bases
+  double plane_roughness = 0;  ///< RMS distance of the points from the plane that fits them best, in bases
+  Eigen::Vector3d plane_normal = {0, 0, 1}, plane_middle = {0, 0, 0};  ///< of that plane, in the first camera, in bases
   double plane_sigma = 0;           ///< the same as measurements of their sigmas would leave of a true plane
   double base_plane_roughness = 0;  ///< the same of a plane through the base
+  Eigen::Vector2d base_plane_direction = {0, 1};  ///< of that plane, from the base, along across_in_first
   double epsilon_raw = 0;  ///< lambda_min / lambda_max of the normal matrix of by, bz, omega, phi, kappa (1, rad)
   double epsilon = 0;      ///< the same, scaled to a unit diagonal (Mussio 3.4.5): 1 ideal, 0 undetermined
   Vector5 null_vector = Vector5::Zero();  ///< of the smaller one: by, bz, omega, phi, kappa, each in units of its sigma
@@ -57,8 +69,9 @@ struct PairShape {
 /// Judges the pair. `normal` is that of changed(), RelativeOrientation::normal. Nothing with fewer than five points in
 /// front of both cameras.
 /// A cylinder is near when its roughness is below 5 % of the distance, and critical below 1 %, or where epsilon is
-/// below 1e-9. (Mussio's limit of 0.1 for lambda_min / lambda_max is out of reach of flat ground at any angle of view:
-/// even his own six points want a roughness of 65 % of the distance for it; both figures are given.)
+/// below 1e-9; a plane is near below 5 %, too. A plane with the base is near where the band is narrow: seen from the
+/// base they are one. (Mussio's limit of 0.1 for lambda_min / lambda_max is out of reach of flat ground at any angle of
+/// view: even his own six points want a roughness of 65 % of the distance for it; both figures are given.)
 [[nodiscard]] std::optional<PairShape> pair_shape(const Rigid3& second_from_first, std::span<const PairPoint> points,
                                                   const Matrix5& normal);
 

@@ -105,6 +105,109 @@ TEST(PairShape, NamesANarrowBandAndAShortBase) {
   EXPECT_TRUE(has(shape_of(normal_case(), far), PairWeakness::kShortBase));
 }
 
+// 15 m of roughness at a height of 1000 m are far beyond noise: the plane is near, not true. Relief of a quarter is
+// none.
+TEST(PairShape, NamesANearPlane) {
+  Random random(14);
+  std::vector<Eigen::Vector3d> rough, relief;
+  for (int i = 0; i < 60; ++i) {
+    const double x = random.uniform(0, 1), y = random.uniform(-1, 1);
+    rough.emplace_back(x, y, 2 + 0.1 * x + 0.03 * random.normal());
+    relief.emplace_back(x, y, random.uniform(1.2, 2));
+  }
+  auto points = seen_by(normal_case(), rough);
+  for (PairPoint& point : points) point.sigma_first = point.sigma_second = 1e-5;
+  const PairShape shape = *pair_shape(normal_case(), points, normal_of(normal_case(), points));
+  EXPECT_TRUE(has(shape, PairWeakness::kNearPlane));
+  EXPECT_FALSE(has(shape, PairWeakness::kPlane));
+  EXPECT_NEAR(shape.plane_roughness, 0.03, 4 * 0.03 / std::sqrt(120.0));  // an RMS of 60 values
+  EXPECT_LT(shape.plane_normal.cross(Eigen::Vector3d(-0.1, 0, 1).normalized()).norm(), 0.05);
+  EXPECT_FALSE(has(shape_of(normal_case(), relief), PairWeakness::kNearPlane));
+}
+
+TEST(PairShape, ThePlaneThroughTheBaseHasItsDirection) {
+  Random random(15);
+  std::vector<Eigen::Vector3d> upright;
+  for (int i = 0; i < 30; ++i) {
+    const double t = random.uniform(1, 2);
+    upright.emplace_back(random.uniform(0, 1), 0.3 * t, 1.5 * t);
+  }
+  const PairShape shape = shape_of(normal_case(), upright);
+  EXPECT_LT(shape.base_plane_roughness, 1e-12);
+  const Eigen::Vector3d direction = shape.across_in_first * shape.base_plane_direction;
+  EXPECT_LT(direction.cross(Eigen::Vector3d(0, 0.3, 1.5).normalized()).norm(), 1e-9);
+}
+
+// Points of a true plane fit two orientations to rounding; each is the second one of the other.
+TEST(SecondOrientation, OfATruePlaneFitsAsWellAndIsMutual) {
+  int found = 0;
+  for (int seed = 0; seed < 20; ++seed) {
+    Random random(500, static_cast<std::uint64_t>(seed));
+    const Rigid3 truth = scene::random_motion(random);
+    std::vector<Eigen::Vector3d> world;
+    while (world.size() < 30)
+      if (const auto x = scene::random_point_on_plane(random); (truth * x).z() > 0.5) world.push_back(x);
+    const auto points = seen_by(truth, world);
+    RelativeOptions options;
+    options.sigma_known = true;
+    const auto shape = pair_shape(truth, points, normal_of(truth, points));
+    ASSERT_TRUE(shape);
+    const auto second = second_orientation(truth, *shape, points, options);
+    if (!second) continue;
+    ++found;
+    EXPECT_LT(second->sigma0, 1e-6);
+    EXPECT_GT(angle_between(second->second_from_first.rotation, truth.rotation), 1e-4);
+    const auto other = pair_shape(second->second_from_first, points, second->normal);
+    if (!other || second->in_front < 30) continue;
+    const auto back = second_orientation(second->second_from_first, *other, points, options);
+    ASSERT_TRUE(back);
+    EXPECT_LT(angle_between(back->second_from_first.rotation, truth.rotation), 1e-7);
+  }
+  EXPECT_GE(found, 18);  // of 20: a base along the normal of the plane alone has no second one
+}
+
+// The further points lie off the plane, the worse the second orientation fits.
+TEST(SecondOrientation, OfANearPlaneIsToldApartByItsResiduals) {
+  const Rigid3 truth{rotation_by({0.1, -0.2, 0.1}), Eigen::Vector3d(-1, 0.1, 0.3).normalized()};
+  double before = 0;
+  for (const double roughness : {0.0, 0.02, 0.08}) {
+    Random random(16);
+    std::vector<Eigen::Vector3d> world;
+    for (int i = 0; i < 40; ++i)
+      world.push_back(scene::random_point_on_plane(random) + Eigen::Vector3d(0, 0, roughness * random.normal()));
+    const auto points = seen_by(truth, world);
+    const auto shape = pair_shape(truth, points, normal_of(truth, points));
+    ASSERT_TRUE(shape);
+    const auto second = second_orientation(truth, *shape, points, {});
+    ASSERT_TRUE(second);
+    if (roughness == 0)
+      EXPECT_LT(second->sigma0, 1e-6);
+    else
+      EXPECT_GT(second->sigma0, 2 * before);
+    before = second->sigma0;
+  }
+}
+
+TEST(CriticalPair, SaysWhatIsKnownWhereThereIsNoOrientation) {
+  Random random(17);
+  std::vector<Eigen::Vector3d> upright;
+  for (int i = 0; i < 30; ++i) {
+    const double t = random.uniform(1, 2);
+    upright.emplace_back(random.uniform(0, 1), 0.3 * t, 1.5 * t);
+  }
+  RelativeOptions options;
+  options.start = PairStart::kNearVertical;
+  const auto cylinder = critical_pair(seen_by(normal_case(), valley(0.8, 0, 30, random)), options, 1);
+  ASSERT_TRUE(cylinder);
+  EXPECT_TRUE(has(cylinder->shape, PairWeakness::kCylinder));
+  EXPECT_LT(cylinder->shape.epsilon, 1e-9);
+  EXPECT_NEAR(cylinder->shape.cylinder->radius, 0.8, 1e-6);
+  const auto plane = critical_pair(seen_by(normal_case(), upright), options, 1);
+  ASSERT_TRUE(plane);
+  EXPECT_TRUE(has(plane->shape, PairWeakness::kBasePlane));
+  EXPECT_FALSE(critical_pair(std::vector<PairPoint>(4), options, 1));
+}
+
 // Points on a cylinder with the base leave no answer, whatever the start; the message says why.
 TEST(PairShape, AnOrientationOnTheCylinderIsRefusedByName) {
   Random random(6);

@@ -154,6 +154,16 @@ Matrix5 symmetric_by_change(const Rigid3& second_from_first) {
   return by;
 }
 
+Eigen::Matrix<double, 6, 6> pose_by_change(const Rigid3& second_from_first, double base) {
+  const Eigen::Vector3d unit = base_in_first(second_from_first);
+  Eigen::Matrix<double, 6, 6> by = Eigen::Matrix<double, 6, 6>::Zero();
+  // R <- exp(d) R is exp(-R' d) of the attitude R' of the camera.
+  by.topLeftCorner<3, 3>() = -(kTurned * second_from_first.rotation.conjugate()).toRotationMatrix();
+  by.block<3, 2>(3, 3) = base * kTurned.toRotationMatrix() * tangents_of(unit);
+  by.block<3, 1>(3, 5) = turned(unit);
+  return by;
+}
+
 SymmetricWithCovariance symmetric_of(const DependentWithCovariance& dependent) {
   const Rigid3 motion = motion_of(dependent.elements);
   const Matrix5 by = symmetric_by_change(motion) * dependent_by_change(motion).inverse();

@@ -54,6 +54,11 @@ struct SymmetricElements {
 [[nodiscard]] Matrix5 dependent_by_change(const Rigid3& second_from_first);
 [[nodiscard]] Matrix5 symmetric_by_change(const Rigid3& second_from_first);
 
+/// Derivatives of the exterior orientation of the second image in the model, [rotation of the camera about the axes of
+/// the model (rad), projection centre (unit of the base)], by [changed(), length of the base]. The axes of the model
+/// are those of the first photograph (x right, y up, z backwards), where its projection centre is the origin.
+[[nodiscard]] Eigen::Matrix<double, 6, 6> pose_by_change(const Rigid3& second_from_first, double base);
+
 /// Elements of one kind with the covariance of their values().
 struct DependentWithCovariance {
   DependentElements elements;

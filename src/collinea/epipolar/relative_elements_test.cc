@@ -208,5 +208,35 @@ TEST(RelativeElements, RotationsOfKarfisW9AreThoseOfTheirElements) {
   EXPECT_LT((rotation(kea) - of_kea).cwiseAbs().maxCoeff(), 5.1e-11);
 }
 
+// Central differences: rounding 1e-16 / 1e-6 and truncation 1e-12 leave 1e-9.
+TEST(RelativeElements, DerivativesOfThePoseInTheModelAreThoseOfDifferences) {
+  Random random(12);
+  const Eigen::Quaterniond model_from_camera(0, 1, 0, 0);  // y and z the other way
+  for (int i = 0; i < 20; ++i) {
+    const Rigid3 motion = some_motion(random);
+    const double base = random.uniform(0.5, 700), step = 1e-6;
+    const Eigen::Matrix<double, 6, 6> by = pose_by_change(motion, base);
+    for (int k = 0; k < 6; ++k) {
+      Rigid3 side[2];
+      Eigen::Vector3d centre[2];
+      for (int way = 0; way < 2; ++way) {
+        const double h = way == 0 ? -step : step;
+        Vector5 change = Vector5::Zero();
+        if (k < 5) change(k) = h;
+        side[way] = changed(motion, change);
+        centre[way] = (k == 5 ? base * (1 + h) : base) * (model_from_camera * base_in_first(side[way]));
+      }
+      // The attitude of the camera in the model, and how it turns about the axes of the model.
+      const Eigen::Quaterniond before = model_from_camera * side[0].rotation.conjugate(),
+                               after = model_from_camera * side[1].rotation.conjugate();
+      const double length = k == 5 ? base : 1;
+      const Eigen::Vector3d turn = rotation_vector(after * before.conjugate()) / (2 * step * length),
+                            shift = (centre[1] - centre[0]) / (2 * step * length);
+      EXPECT_LT((by.col(k).head<3>() - turn).norm(), 1e-8) << k;
+      EXPECT_LT((by.col(k).tail<3>() - shift).norm(), 1e-8 * base) << k;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace collinea

@@ -5,13 +5,10 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
-#include "collinea/epipolar/internal/essential.h"
-#include "collinea/epipolar/pair_shape.h"
-#include "collinea/epipolar/relative_search.h"
 #include "collinea/epipolar/relative_start.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/math/median.h"
@@ -223,7 +220,8 @@ tl::unexpected<Error> undetermined(const Rigid3& motion, std::span<const PairPoi
 // A motion to begin with, and the points that it was made of.
 struct Start {
   Rigid3 motion;
-  std::vector<int> inliers;  // empty: all
+  std::vector<int> inliers = {};  // empty: all
+  std::optional<RelativeSearch> search = {};
 };
 
 std::optional<Start> robust(std::span<const PairPoint> points, std::uint64_t seed) {
@@ -243,7 +241,7 @@ std::optional<Start> robust(std::span<const PairPoint> points, std::uint64_t see
 }
 
 std::optional<Start> searched(std::span<const PairPoint> points) {
-  const auto search = search_relative(points);
+  auto search = search_relative(points);
   if (!search) return std::nullopt;
   const Rigid3* best = nullptr;
   int most = -1;
@@ -252,15 +250,15 @@ std::optional<Start> searched(std::span<const PairPoint> points) {
       most = count;
       best = &motion;
     }
-  return Start{*best, {}};
+  return Start{*best, {}, std::move(search)};
 }
 
 std::optional<Start> start_of(std::span<const PairPoint> points, PairStart kind, std::uint64_t seed) {
   switch (kind) {
     case PairStart::kNearVertical:
-      return Start{motion_of(DependentElements{}), {}};
+      return Start{motion_of(DependentElements{})};
     case PairStart::kLinear:
-      if (const auto elements = linear_parallax(points)) return Start{motion_of(*elements), {}};
+      if (const auto elements = linear_parallax(points)) return Start{motion_of(*elements)};
       return std::nullopt;
     case PairStart::kRobust:
       if (points.size() >= kRobustPoints) return robust(points, seed);
@@ -315,51 +313,10 @@ Result<> solve(std::span<const PairPoint> points, const RelativeOptions& options
 
 }  // namespace
 
-std::array<RelativeSolution, 4> relative_solutions(const Rigid3& second_from_first, std::span<const PairPoint> points) {
-  const std::array<Rigid3, 4> four = motions(essential_matrix(second_from_first));
-  std::array<RelativeSolution, 4> out;
-  for (std::size_t k = 0; k < 4; ++k) {
-    out[k].second_from_first = four[k];
-    const Eigen::Matrix3d first_from_second = four[k].rotation.toRotationMatrix().transpose();
-    const Eigen::Vector3d base = base_in_first(four[k]);
-    for (const PairPoint& point : points) {
-      // Signs of the distances along both rays where they come nearest to each other.
-      const Eigen::Vector3d first = point.first.homogeneous(), second = first_from_second * point.second.homogeneous();
-      const Eigen::Vector3d normal = first.cross(second);
-      out[k].in_front += base.cross(second).dot(normal) > 0 && base.cross(first).dot(normal) > 0;
-    }
-  }
-  std::stable_sort(out.begin(), out.end(),
-                   [](const RelativeSolution& a, const RelativeSolution& b) { return a.in_front > b.in_front; });
-  return out;
-}
-
-std::vector<double> distribution_weights(std::span<const PairPoint> points, PairWeights weights) {
-  std::vector<double> out(points.size(), 1.0);
-  if (weights == PairWeights::kEqual || points.empty()) return out;
-  Eigen::Array2d least = points[0].first, most = least;
-  for (const PairPoint& point : points) {
-    least = least.min(point.first.array());
-    most = most.max(point.first.array());
-  }
-  const Eigen::Array2i cells = weights == PairWeights::kGruber ? Eigen::Array2i(2, 3) : Eigen::Array2i(5, 5);
-  const auto cell_of = [&](const PairPoint& point) {
-    const Eigen::Array2d share = (point.first.array() - least) / (most - least).max(1e-300);
-    const Eigen::Array2i cell = (share * cells.cast<double>()).floor().cast<int>().max(0).min(cells - 1);
-    return static_cast<std::size_t>(cell.y() * cells.x() + cell.x());
-  };
-  std::vector<int> count(static_cast<std::size_t>(cells.prod()), 0);
-  for (const PairPoint& point : points) ++count[cell_of(point)];
-  const auto filled = std::count_if(count.begin(), count.end(), [](int n) { return n > 0; });
-  for (std::size_t i = 0; i < points.size(); ++i)
-    out[i] = static_cast<double>(points.size()) / (static_cast<double>(filled) * count[cell_of(points[i])]);
-  return out;
-}
-
 Result<RelativeOrientation> relative_orientation(std::span<const PairPoint> points, const RelativeOptions& options,
                                                  std::uint64_t seed, const std::optional<Rigid3>& given) {
   COLLINEA_TRY(check(points));
-  const auto start = given ? std::optional(Start{*given, {}}) : start_of(points, options.start, seed);
+  const auto start = given ? std::optional(Start{*given}) : start_of(points, options.start, seed);
   if (!start)
     return fail(Errc::kIllPosed, "no approximate values of the relative orientation: the points do not determine it",
                 {"start"_option});
@@ -397,6 +354,7 @@ Result<RelativeOrientation> relative_orientation(std::span<const PairPoint> poin
     COLLINEA_TRY(solve(points, options, work, out));
   }
   out.second_from_first = work.motion;
+  out.search = start->search;
   out.in_front = choice.in_front;
   out.iterations = work.iterations;
   out.covariance = work.covariance;
@@ -438,6 +396,19 @@ Result<RelativeOrientation> given_orientation(std::span<const PairPoint> points,
   out.variance_factor = options.sigma_known || !(out.sigma0 > 0) ? 1 : out.sigma0 * out.sigma0;
   out.covariance = covariance / out.variance_factor;
   return out;
+}
+
+std::optional<CriticalPair> critical_pair(std::span<const PairPoint> points, const RelativeOptions& options,
+                                          std::uint64_t seed) {
+  if (!check(points)) return std::nullopt;
+  const auto start = start_of(points, options.start, seed);
+  Adjustment work;
+  work.motion = start ? start->motion : motion_of(DependentElements{});
+  work.equations.resize(points.size());
+  (void)adjust(points, work);  // as far as it goes
+  const auto shape = pair_shape(work.motion, points, normal_of(work.motion, points));
+  if (!shape) return std::nullopt;
+  return CriticalPair{work.motion, *shape};
 }
 
 }  // namespace collinea

@@ -11,7 +11,9 @@
 #include "collinea/base/options.h"
 #include "collinea/base/result.h"
 #include "collinea/epipolar/pair_point.h"
+#include "collinea/epipolar/pair_shape.h"
 #include "collinea/epipolar/relative_elements.h"
+#include "collinea/epipolar/relative_search.h"
 #include "collinea/geometry/rigid3.h"
 
 namespace collinea {
@@ -88,7 +90,8 @@ struct RelativeOrientation {
   int used = 0;                ///< points
   int in_front = 0;            ///< of those used, in front of both cameras
   std::vector<int> rejected;   ///< in the order of their rejection
-  std::vector<PairResidual> residuals;  ///< of all points
+  std::vector<PairResidual> residuals;        ///< of all points
+  std::optional<RelativeSearch> search = {};  ///< where the start was PairStart::kGrid
 
   /// The covariance to be stated.
   [[nodiscard]] Matrix5 stated_covariance() const { return covariance * variance_factor; }
@@ -110,6 +113,26 @@ struct RelativeOrientation {
 [[nodiscard]] Result<RelativeOrientation> given_orientation(std::span<const PairPoint> points,
                                                             const Rigid3& second_from_first, const Matrix5& covariance,
                                                             const RelativeOptions& options);
+
+/// A pair whose points leave the orientation undetermined, at one of the motions that fit them.
+struct CriticalPair {
+  Rigid3 second_from_first;
+  PairShape shape;
+};
+/// What can be said of points of which relative_orientation() said that they leave it undetermined: all of them, from
+/// the start asked for, as far as the iteration goes. Nothing where fewer than five lie in front of both cameras there.
+[[nodiscard]] std::optional<CriticalPair> critical_pair(std::span<const PairPoint> points,
+                                                        const RelativeOptions& options, std::uint64_t seed);
+
+/// The other orientation that images of a plane allow: H = R + t n' / d has two decompositions with the points in front
+/// of both cameras (Ma, Soatto, Kosecka, Sastry 2004, 5.3). `plane` is that of the shape of the first one; the second
+/// decomposition is the start of least squares of the same points, nothing rejected. Of a true plane its sigma0 is that
+/// of the first one; the more the points depart from the plane, the larger. Nothing for a plane through a projection
+/// centre, without a base across it, and where the iteration fails or returns to the first one (1e-6 rad).
+[[nodiscard]] std::optional<RelativeOrientation> second_orientation(const Rigid3& second_from_first,
+                                                                    const PairShape& shape,
+                                                                    std::span<const PairPoint> used,
+                                                                    const RelativeOptions& options);
 
 /// One of the four motions with the same coplanarity: the second camera turned by half a turn about the base, and the
 /// base the other way round (Mussio 3.1.4).

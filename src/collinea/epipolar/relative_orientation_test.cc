@@ -107,6 +107,18 @@ TEST(RelativeOrientation, TheGridFindsTheFourSolutions) {
   EXPECT_LT(four[1].in_front, 15);
 }
 
+TEST(RelativeOrientation, TheExhaustiveStartReportsItsSearch) {
+  Random random(13);
+  const auto points = measured(vertical_motion(random), 10, 0, random, ground_point);
+  const auto by_grid = relative_orientation(points, options_of(PairStart::kGrid), 1);
+  ASSERT_TRUE(by_grid && by_grid->search);
+  const auto search = search_relative(points);
+  EXPECT_EQ(by_grid->search->starts, 5408);
+  EXPECT_EQ(by_grid->search->converged, search->converged);
+  EXPECT_EQ(by_grid->search->distinct.size(), 4u);
+  EXPECT_FALSE(relative_orientation(points, options_of(PairStart::kLinear), 1)->search);
+}
+
 TEST(RelativeOrientation, SixPointsAreOrientedByTheGrid) {
   Random random(9);
   const Rigid3 truth = vertical_motion(random);
@@ -287,6 +299,49 @@ TEST(RelativeOrientation, RefusesWhatItCannotSolve) {
   });
   for (const PairStart start : {PairStart::kRobust, PairStart::kNearVertical, PairStart::kLinear})
     EXPECT_FALSE(relative_orientation(flat, options_of(start), 1));
+}
+
+// Attitudes of 1e-4 rad: what the linear equations neglect is below 1e-7, a thousandth of the sigmas of coordinates.
+// e' C^-1 e is chi-squared with 5 degrees of freedom: mean 5 within 4 sqrt(10 / n); sigma0^2 is 1 within 4 sqrt(2 / 15
+// n).
+TEST(LinearOrientation, CovarianceMatchesTheRealErrorsOfANormalPair) {
+  constexpr int kSeeds = 400;
+  const DependentElements truth{1, 1e-4, -1e-4, 5e-5, -1e-4, 1e-4};
+  double sum = 0, sum_sigma = 0;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    Random random(600, static_cast<std::uint64_t>(seed));
+    const auto points = measured(motion_of(truth), 20, kSigma, random, ground_point);
+    const auto found = linear_orientation(points);
+    ASSERT_TRUE(found);
+    const Vector5 e = found->elements.values() - truth.values();
+    sum += e.dot(found->covariance.ldlt().solve(e));
+    sum_sigma += found->sigma0 * found->sigma0;
+    EXPECT_EQ(found->redundancy, 15);
+  }
+  EXPECT_NEAR(sum / kSeeds, 5, 4 * std::sqrt(10.0 / kSeeds));
+  EXPECT_NEAR(sum_sigma / kSeeds, 1, 4 * std::sqrt(2.0 / 15 / kSeeds));
+}
+
+// Without noise the difference to the truth is of second order: with half the elements it is a quarter, up to the third
+// order, which is a tenth of it at most here (elements of 0.05).
+TEST(LinearOrientation, DiffersFromTheRigorousOneInTheSecondOrder) {
+  const auto difference = [](double size) {
+    Random random(18);
+    const DependentElements truth{1, size, -size, 0.7 * size, -size, 0.9 * size};
+    const auto points = measured(motion_of(truth), 40, 0, random, ground_point);
+    return (linear_orientation(points)->elements.values() - truth.values()).norm();
+  };
+  const double whole = difference(0.02), half = difference(0.01);
+  EXPECT_GT(whole, 1e-4);
+  EXPECT_NEAR(whole / half, 4, 0.4);
+}
+
+TEST(LinearOrientation, NeedsFivePointsThatDetermineIt) {
+  Random random(19);
+  const auto points = measured(vertical_motion(random), 6, 0, random, ground_point);
+  EXPECT_FALSE(linear_orientation(std::span(points).first(4)));
+  EXPECT_FALSE(linear_orientation(std::vector<PairPoint>(10, points[0])));
+  EXPECT_EQ(linear_orientation(std::span(points).first(5))->redundancy, 0);
 }
 
 }  // namespace

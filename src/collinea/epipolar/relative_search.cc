@@ -106,7 +106,7 @@ ParallaxEquation parallax_equation(const PairPoint& point) {
   return {(Vector5() << px, px * y, -(1 + y * y), x2 * y, -x2).finished(), y2 - y1};
 }
 
-std::optional<DependentElements> linear_parallax(std::span<const PairPoint> points) {
+std::optional<LinearOrientation> linear_orientation(std::span<const PairPoint> points) {
   if (points.size() < 5) return std::nullopt;
   Eigen::Matrix<double, Eigen::Dynamic, 5> design(points.size(), 5);
   Eigen::VectorXd parallax(points.size());
@@ -122,7 +122,21 @@ std::optional<DependentElements> linear_parallax(std::span<const PairPoint> poin
   if (solver.rank() < 5) return std::nullopt;
   const Vector5 x = solver.solve(parallax);
   if (!x.allFinite()) return std::nullopt;
-  return DependentElements{1, x(0), x(1), x(2), x(3), x(4)};
+  LinearOrientation out{DependentElements{1, x(0), x(1), x(2), x(3), x(4)}, Matrix5::Zero(), {}};
+  out.covariance = (design.transpose() * design).ldlt().solve(Matrix5::Identity());
+  const Eigen::VectorXd left = parallax - design * x;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    out.parallaxes.push_back(left(static_cast<Eigen::Index>(i)) *
+                             std::hypot(points[i].sigma_first, points[i].sigma_second));
+  out.redundancy = static_cast<int>(points.size()) - 5;
+  if (out.redundancy > 0) out.sigma0 = std::sqrt(left.squaredNorm() / out.redundancy);
+  return out;
+}
+
+std::optional<DependentElements> linear_parallax(std::span<const PairPoint> points) {
+  const auto found = linear_orientation(points);
+  if (!found) return std::nullopt;
+  return found->elements;
 }
 
 std::optional<RelativeSearch> search_relative(std::span<const PairPoint> points) {

@@ -23,6 +23,19 @@ struct ParallaxEquation {
 /// these equations. Nothing with fewer than five points, or when they leave an element undetermined.
 [[nodiscard]] std::optional<DependentElements> linear_parallax(std::span<const PairPoint> points);
 
+/// The simplified orientation of a nearly normal pair: least squares of these equations, each with the variance of its
+/// y2 - y1. Nothing is iterated: what the linear equations neglect, products of elements and of a y-parallax with an
+/// element, is in the elements as a bias that the covariance does not hold.
+struct LinearOrientation {
+  DependentElements elements;      ///< bx = 1: of a base towards the left by and bz have the other sign
+  Matrix5 covariance;              ///< of values(), for the sigmas as given
+  std::vector<double> parallaxes;  ///< residual y-parallaxes, observed minus computed, of each point
+  double sigma0 = 0;               ///< 0 without redundancy
+  int redundancy = 0;              ///< points less five
+};
+/// Nothing as linear_parallax().
+[[nodiscard]] std::optional<LinearOrientation> linear_orientation(std::span<const PairPoint> points);
+
 /// What an exhaustive search found.
 struct RelativeSearch {
   int starts = 0;                ///< 5408: 12,800 sequences of angles (Mussio 3.1.2), those at the poles once (E56)

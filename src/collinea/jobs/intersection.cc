@@ -16,6 +16,7 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+
 struct Rays {
   std::vector<std::string> names;  // of points, in order of appearance
   std::map<std::string, std::vector<std::pair<std::string, UncertainSightLine>>> of;

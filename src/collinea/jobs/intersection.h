@@ -41,8 +41,8 @@ struct IntersectTableOptions {
 };
 
 /// The points of a table of measurements (image, point, x, y, sigma) by the exterior orientations of another (image, X,
-/// Y, Z, omega, phi, kappa, with sigma_ columns where known). All images are of one camera.
-/// With `images` the points are matched in the pixels, too. Errors: tables, options, images.
+/// Y, Z, omega, phi, kappa, with sigma_ columns where known, and correlation_X_Y to correlation_phi_kappa). All images
+/// are of one camera. With `images` the points are matched in the pixels, too. Errors: tables, options, images.
 [[nodiscard]] Result<IntersectionReport> intersect_from_tables(const std::filesystem::path& measurements,
                                                                const std::filesystem::path& orientation,
                                                                const IntersectTableOptions& options,

@@ -38,8 +38,8 @@ struct MonoplotTableOptions {
 };
 
 /// Ground points of a table of measurements (image, point, x, y, sigma) by exterior orientations (image, X, Y, Z,
-/// omega, phi, kappa, with sigma_ columns where known) and a raster of heights in the same coordinates. All images are
-/// of one camera. Errors: tables, rasters, options; stopped.
+/// omega, phi, kappa, with sigma_ and correlation_ columns where known) and a raster of heights in the same
+/// coordinates. All images are of one camera. Errors: tables, rasters, options; stopped.
 [[nodiscard]] Result<MonoplotReport> monoplot_from_tables(const std::filesystem::path& measurements,
                                                           const std::filesystem::path& orientation,
                                                           const std::filesystem::path& surface,

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "collinea/base/file.h"
 #include "collinea/base/test_folder.h"
@@ -87,6 +88,35 @@ TEST(MonoplotJob, FindsGroundPointsOfASlope) {
   EXPECT_NE(text.find("9 of 10 rays meet the surface"), text.npos) << text;
   EXPECT_NE(text.find("no orientation of image other.jpg"), text.npos) << text;
   EXPECT_EQ(monoplot_tables(*report)[0].table.rows.size(), 10u);
+}
+
+// Where a shift along x goes with a rotation about y that undoes it, a point below is known better than by the shift.
+TEST(MonoplotJob, CorrelationsOfTheOrientationCount) {
+  const Plotted scene;
+  scene.write_raster("slope.tif", 0);
+  scene.write_tables();
+  MonoplotTableOptions options;
+  options.photo.principal_distance = kVillageFocal_px;
+  options.photo.principal_point = "400,300";
+  const Eigen::Vector3d middle = scene.point(4);
+  const double sigma_deg = 0.5 / (scene.centre.z() - middle.z()) * 180 / std::numbers::pi;  // half a metre below
+  const OmegaPhiKappa angles = omega_phi_kappa(scene.pose(0).rotation);
+  const auto variance = [&](double correlation) {
+    EXPECT_TRUE(
+        write_file(scene.folder / "poses.txt",
+                   "image X[m] Y[m] Z[m] omega[deg] phi[deg] kappa[deg] sigma_X[m] sigma_phi[deg] correlation_X_phi\n" +
+                       fmt::format("IMG_0001 {:.9f} {:.9f} {:.9f} {:.12f} {:.12f} {:.12f} 0.5 {:.12f} {}\n",
+                                   scene.centre.x(), scene.centre.y(), scene.centre.z(), angles.omega_deg,
+                                   angles.phi_deg, angles.kappa_deg, sigma_deg, correlation)));
+    const auto report = monoplot_from_tables(scene.folder / "marks.txt", scene.folder / "poses.txt",
+                                             scene.folder / "slope.tif", options, {});
+    EXPECT_TRUE(report) << report.error().message;
+    return report ? report->points[4].found.covariance(0, 0) : 0;
+  };
+  const double none = variance(0), against = variance(0.9), along = variance(-0.9);
+  // Var(a + b) = a2 + b2 + 2 r a b: the measurement adds the same to all three.
+  EXPECT_NEAR(against + along, 2 * none, 1e-9);
+  EXPECT_GT(std::abs(against - along), 0.9 * none);
 }
 
 TEST(MonoplotJob, TellsWhatIsMissing) {

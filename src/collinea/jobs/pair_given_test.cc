@@ -96,12 +96,25 @@ TEST(Pair, AnOrientationInUnitsOfTheBaseGivesAModel) {
   PairChainOptions options;
   options.principal_distance_px = kVillageFocal_px;
   options.levels.levels = 1;
-  ASSERT_TRUE(orient_and_match(village.left, village.right, village.folder / "first", options, {.threads = 2}));
+  const auto by_points =
+      orient_and_match(village.left, village.right, village.folder / "first", options, {.threads = 2});
+  ASSERT_TRUE(by_points) << by_points.error().message;
+  EXPECT_GT(by_points->relative->solutions[0].in_front, by_points->relative->solutions[1].in_front);
+  EXPECT_NE(read_file(village.folder / "first/pair.txt")->find("the four solutions"), std::string::npos);
   options.exterior = village.folder / "first/exterior.txt";
   const auto report = orient_and_match(village.left, village.right, village.folder / "pair", options, {.threads = 2});
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_FALSE(report->is_metric());
   EXPECT_FALSE(report->map);
+  const std::string text = *read_file(village.folder / "pair/pair.txt");
+  EXPECT_EQ(text.find("solutions"), std::string::npos) << text;  // there is but the one that is given
+  // The left image is the datum, so that sigmas and correlations of the right one are all that is known of the pair.
+  // Derivatives over a sigma of some 1e-4 rad leave the square of it, decimals and their steps less.
+  const Matrix5 expected = by_points->orientations.back().orientation.stated_covariance(),
+                found = report->orientations.back().orientation.stated_covariance();
+  for (Eigen::Index i = 0; i < 5; ++i)
+    for (Eigen::Index k = 0; k < 5; ++k)
+      EXPECT_NEAR(found(i, k), expected(i, k), 1e-5 * std::sqrt(expected(i, i) * expected(k, k))) << i << ' ' << k;
   // Eight decimals of degrees and bases are 1e-5 px, less than a hundredth of a grey value: what is rounded differs by
   // one.
   const auto first = read_grey(village.folder / "first/epipolar_left.png"),

@@ -8,6 +8,7 @@
 #include "collinea/base/file.h"
 #include "collinea/camera/camera.h"
 #include "collinea/io/text_table.h"
+#include "collinea/jobs/internal/pose_estimates.h"
 
 namespace collinea {
 namespace {
@@ -70,8 +71,60 @@ Result<> scale_by(const TextTable& table, RelativeReport& report) {
   return {};
 }
 
+// Exterior orientation of the second image in the model, x right, y up, z backwards.
+void set_pose(RelativeReport& report) {
+  const RelativeOrientation& orientation = report.orientation;
+  const Rigid3 first_from_model{Eigen::Quaterniond(0, 1, 0, 0), Eigen::Vector3d::Zero()};
+  Rigid3 pose = orientation.second_from_first;
+  pose.translation *= report.base;
+  pose = pose * first_from_model;
+  const auto estimates = estimates_of_pose(pose);
+  for (std::size_t k = 0; k < 6; ++k) report.right_pose[Eigen::Index(k)] = estimates[k].value;
+  Eigen::Matrix<double, 6, 6> of_change = Eigen::Matrix<double, 6, 6>::Zero();
+  of_change.topLeftCorner<5, 5>() = orientation.stated_covariance();
+  if (report.scaled) of_change = report.scaled->covariance;
+  const Eigen::Matrix<double, 6, 6> by = pose_by_change(orientation.second_from_first, report.base);
+  report.right_covariance = covariance_of_estimates(pose, by * of_change * by.transpose());
+}
+
+// What there is to say of points that leave no orientation: behind the error, and as a picture in the folder.
+Error described(Error error, RelativeReport& report, const RelativePairOptions& options) {
+  if (error.code != Errc::kIllPosed) return error;
+  const auto critical = critical_pair(report.points, report.options, options.seed);
+  if (!critical) return error;
+  report.orientation.second_from_first = critical->second_from_first;
+  report.orientation.residuals.assign(report.points.size(), {});
+  report.orientation.covariance.setZero();
+  report.shape = critical->shape;
+  report.model = model_points(report.orientation, report.points, report.base, true);
+  const std::string text = pair_shape_text(report);
+  if (options.out) {
+    const auto written = write_file(*options.out / "geometry.txt", text).and_then([&] {
+      return write_file(*options.out / "geometry.svg", pair_shape_svg(report));
+    });
+    if (!written) return written.error();
+  }
+  return std::move(error).advising("\n" + text);
+}
+
+// The other orientation of a plane and the simplified one, where the report is to have them.
+void set_others(RelativeReport& report, const std::vector<PairPoint>& used) {
+  const auto is_found = [&](PairWeakness weakness) {
+    return report.shape && std::ranges::find(report.shape->weaknesses, weakness) != report.shape->weaknesses.end();
+  };
+  if (is_found(PairWeakness::kPlane) || is_found(PairWeakness::kNearPlane))
+    report.second = second_orientation(report.orientation.second_from_first, *report.shape, used, report.options);
+  if (report.options.start == PairStart::kLinear) report.linear = linear_orientation(used);
+}
+
 Result<> write_tables(const RelativeReport& report, const fs::path& folder) {
   COLLINEA_TRY(write_file(folder / "parameters.txt", text_of(relative_parameter_table(report))));
+  COLLINEA_TRY(write_file(folder / "correlations.txt", text_of(relative_correlation_table(report))));
+  COLLINEA_TRY(write_file(folder / "solutions.txt", text_of(relative_solutions_table(report))));
+  if (report.linear) {
+    COLLINEA_TRY(write_file(folder / "linear.txt", text_of(relative_linear_table(report))));
+    COLLINEA_TRY(write_file(folder / "linear_parallaxes.txt", text_of(relative_linear_parallax_table(report))));
+  }
   COLLINEA_TRY(write_file(folder / "residuals.txt", text_of(relative_residual_table(report))));
   COLLINEA_TRY(write_file(folder / "model.txt", text_of(relative_model_table(report))));
   COLLINEA_TRY(write_file(folder / "exterior.txt", text_of(relative_exterior_table(report))));
@@ -92,17 +145,22 @@ Result<RelativeReport> orient_pair(const fs::path& measurements, const RelativeP
   report.base_is_given = options.base_m.has_value();
   report.base = options.base_m.value_or(1);
   COLLINEA_TRY(report.orientation,
-               relative_orientation(report.points, report.options, options.seed).map_error(in_file));
+               relative_orientation(report.points, report.options, options.seed).map_error([&](Error e) {
+                 return in_file(described(std::move(e), report, options));
+               }));
   std::vector<PairPoint> used;
   for (std::size_t i = 0; i < report.points.size(); ++i)
     if (report.orientation.residuals[i].used) used.push_back(report.points[i]);
+  report.solutions = relative_solutions(report.orientation.second_from_first, used);
   report.shape = pair_shape(report.orientation.second_from_first, used, report.orientation.normal);
+  set_others(report, used);
   report.model = model_points(report.orientation, report.points, report.base, true);
   if (options.distances) {
     const auto in_distances = [&](Error e) { return std::move(e).within(options.distances->string()); };
     COLLINEA_TRY(const TextTable distances, read_text_table(*options.distances));
     COLLINEA_TRY(scale_by(distances, report).map_error(in_distances));
   }
+  set_pose(report);
   if (options.out) COLLINEA_TRY(write_tables(report, *options.out));
   return report;
 }

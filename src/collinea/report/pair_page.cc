@@ -116,7 +116,8 @@ std::string relative_section(const PairReport& report, const Previews& previews)
                    "The epipolar images side by side: homologous points lie on the same red line.");
   html += pair_of(figure(parallax_drawing(report, previews.photos[0]),
                          "What is left of the y-parallaxes, exaggerated; red: rejected."),
-                  figure(pair_shape_svg(*report.relative), "The points seen along the base."));
+                  figure(pair_shape_svg(*report.relative),
+                         "The points seen along the base, and along the plane that fits them best."));
   html += "<h3>Elements</h3>\n" + table_element(relative_parameter_table(*report.relative));
   html += "<h3>Correlations</h3>\n" + table_element(relative_correlation_table(*report.relative));
   return section("Relative orientation", html);
@@ -131,8 +132,9 @@ std::string ground_section(const PairReport& report) {
                                            : table.name == "correlations.txt" ? "Correlations"
                                                                               : "Points on the ground by the pair") +
               table_element(table.table);
-  for (const NamedTable& table : pair_tables(report))
-    if (table.name == "exterior.txt") html += "<h3>Exterior orientations</h3>\n" + table_element(table.table);
+  const std::array images{report.exterior[0].image, report.exterior[1].image};
+  const std::array elements{report.exterior[0].elements, report.exterior[1].elements};
+  html += "<h3>Exterior orientations</h3>\n" + table_element(exterior_table(images, elements));
   return section(report.control ? "On the ground" : "In the model", html);
 }
 

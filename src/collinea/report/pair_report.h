@@ -47,6 +47,8 @@ struct PairScan {
 struct PairExterior {
   std::string image;
   std::vector<Estimate> elements;  ///< X, Y, Z, omega, phi, kappa
+  /// Of the elements; zero: exact.
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
 /// Surface model and orthophoto.

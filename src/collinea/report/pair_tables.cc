@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <cmath>
 
 #include "collinea/io/text.h"
@@ -85,7 +86,10 @@ std::vector<NamedTable> pair_tables(const PairReport& report) {
                                  {"model.txt", relative_model_table(relative)}};
   const std::vector<std::string> images{report.exterior[0].image, report.exterior[1].image};
   const std::vector<std::vector<Estimate>> elements{report.exterior[0].elements, report.exterior[1].elements};
-  tables.push_back({"exterior.txt", exterior_table(images, elements)});
+  const std::array covariances{report.exterior[0].covariance, report.exterior[1].covariance};
+  tables.push_back({"exterior.txt", exterior_table(images, elements, covariances)});
+  tables.back().table.remarks = {
+      "correlations are those of the elements of one image; what both have in common is not stated"};
   if (report.control)
     for (NamedTable& table : absolute_tables(*report.control))
       tables.push_back({"absolute_" + table.name, std::move(table.table)});

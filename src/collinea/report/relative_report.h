@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,7 +31,15 @@ struct RelativeReport {
   bool is_given = false;       ///< the orientation: points are only compared with it
   RelativeOrientation orientation;
   std::optional<PairShape> shape;
-  PairModel model;  ///< x right, y up, z backwards
+  std::optional<RelativeOrientation> second;  ///< the other one of points in or near a plane (second_orientation())
+  std::optional<LinearOrientation> linear;    ///< of the points used, where it was the start
+  PairModel model;                            ///< x right, y up, z backwards
+  std::array<RelativeSolution, 4> solutions;  ///< by the points used; the first one is the orientation
+  /// Exterior orientation of the second image in the model: X, Y, Z (in the unit of the base), omega, phi, kappa [deg].
+  /// The first image stands at 0. The covariance holds sigma0 where sigmas were not given, and the base's where
+  /// distances gave it.
+  Eigen::Matrix<double, 6, 1> right_pose = Eigen::Matrix<double, 6, 1>::Zero();
+  Eigen::Matrix<double, 6, 6> right_covariance = Eigen::Matrix<double, 6, 6>::Zero();
   struct Distance {
     std::string from, to;
     double length_m = 0, sigma_m = 0;
@@ -46,15 +56,24 @@ struct RelativeReport {
 
 /// element value sigma unit, of the dependent and the symmetric form.
 [[nodiscard]] TextTable relative_parameter_table(const RelativeReport& report);
-/// form, element, and the correlations with the five elements of that form.
+/// element linear sigma rigorous difference unit: the simplified orientation beside the rigorous one.
+[[nodiscard]] TextTable relative_linear_table(const RelativeReport& report);
+/// point parallax: residual y-parallaxes of the simplified orientation, of the points used.
+[[nodiscard]] TextTable relative_linear_parallax_table(const RelativeReport& report);
+/// What is known of the geometry of a pair that leaves no orientation: conditioning, null vector, surfaces.
+[[nodiscard]] std::string pair_shape_text(const RelativeReport& report);
+/// form element other correlation, of the dependent and the symmetric form.
 [[nodiscard]] TextTable relative_correlation_table(const RelativeReport& report);
+/// solution form element value unit in_front: the four solutions, the chosen one first.
+[[nodiscard]] TextTable relative_solutions_table(const RelativeReport& report);
 /// point, four residuals, y-parallax, redundancy number, standardised residual, used or rejected.
 [[nodiscard]] TextTable relative_residual_table(const RelativeReport& report);
 /// point U V W with standard deviations, correlations and the length of the spatial parallax.
 [[nodiscard]] TextTable relative_model_table(const RelativeReport& report);
-/// image X Y Z omega phi kappa of both images in the model.
+/// image X Y Z omega phi kappa of both images in the model, with standard deviations and correlations.
 [[nodiscard]] TextTable relative_exterior_table(const RelativeReport& report);
-/// The points seen along the base, with the cylinder on which they would leave the orientation undetermined: an SVG.
+/// The points seen along the base, with the nearest critical cylinder and the nearest plane through the base, and seen
+/// along the plane that fits them best: an SVG.
 [[nodiscard]] std::string pair_shape_svg(const RelativeReport& report);
 
 }  // namespace collinea

@@ -120,6 +120,26 @@ TextTable exterior_table(std::span<const std::string> images, std::span<const st
   return table;
 }
 
+TextTable exterior_table(std::span<const std::string> images, std::span<const std::vector<Estimate>> exterior,
+                         std::span<const Eigen::Matrix<double, 6, 6>> covariances) {
+  TextTable table = exterior_table(images, exterior);
+  const auto digits = [](double value) { return fmt::format("{:.9g}", value); };
+  for (std::size_t i = 1; i < 6; ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      table.columns.push_back({fmt::format("correlation_{}_{}", exterior[0][k].name, exterior[0][i].name), ""});
+  for (std::size_t row = 0; row < images.size(); ++row) {
+    const Eigen::Matrix<double, 6, 6>& covariance = covariances[row];
+    const Eigen::Matrix<double, 6, 1> sigmas = covariance.diagonal().cwiseMax(0).cwiseSqrt();
+    for (std::size_t k = 0; k < 6; ++k) table.rows[row][7 + k] = digits(sigmas(Eigen::Index(k)));
+    for (Eigen::Index i = 1; i < 6; ++i)
+      for (Eigen::Index k = 0; k < i; ++k) {
+        const double product = sigmas(i) * sigmas(k);
+        table.rows[row].push_back(digits(product > 0 ? covariance(i, k) / product : 0));
+      }
+  }
+  return table;
+}
+
 std::string variance_text(const VarianceTest& test) {
   if (test.redundancy <= 0) return "redundancy 0: nothing checks the measurements, sigmas are those assumed for them\n";
   std::string text = fmt::format("sigma0 {:.4g}, redundancy {}", test.sigma0, test.redundancy);

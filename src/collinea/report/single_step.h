@@ -32,6 +32,11 @@ struct Estimate {
 /// A row an image: its exterior orientation, and the standard deviations (0 where there are none).
 [[nodiscard]] TextTable exterior_table(std::span<const std::string> images,
                                        std::span<const std::vector<Estimate>> exterior);
+/// The same with standard deviations and correlations (correlation_X_Y and so on) by the covariances of the elements;
+/// 0 where they are exact.
+[[nodiscard]] TextTable exterior_table(std::span<const std::string> images,
+                                       std::span<const std::vector<Estimate>> exterior,
+                                       std::span<const Eigen::Matrix<double, 6, 6>> covariances);
 
 /// The matrix of correlations of estimates in their order, from a covariance: those beyond `least` in words, the
 /// strongest first, at most `most`.

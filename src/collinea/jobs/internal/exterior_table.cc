@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <array>
 #include <vector>
@@ -11,6 +12,38 @@
 #include "collinea/jobs/internal/pose_estimates.h"
 
 namespace collinea {
+namespace {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+constexpr double kRounding = 1e-3;  // of correlations written with three decimals
+constexpr std::array<const char*, 6> kNames{"X", "Y", "Z", "omega", "phi", "kappa"};
+
+// Correlations of the six elements of each row: columns correlation_X_Y and so on, 0 where there are none. What
+// rounding leaves of a singular matrix is made positive semi-definite again; what is none at all is refused.
+Result<std::vector<Matrix6>> read_correlations(const TextTable& table) {
+  std::vector<Matrix6> out(table.rows.size(), Matrix6::Identity());
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t k = 0; k < 6; ++k) {
+      if (i == k) continue;
+      const std::string name = fmt::format("correlation_{}_{}", kNames[k], kNames[i]);
+      if (!table.has(name)) continue;
+      COLLINEA_TRY(const auto column, table.numbers_or(name, "", 0));
+      for (std::size_t row = 0; row < column.size(); ++row)
+        out[row](Eigen::Index(i), Eigen::Index(k)) = out[row](Eigen::Index(k), Eigen::Index(i)) = column[row];
+    }
+  for (std::size_t row = 0; row < out.size(); ++row) {
+    const Eigen::SelfAdjointEigenSolver<Matrix6> solver(out[row]);
+    if (!(solver.eigenvalues()(0) > -kRounding))
+      return fail(Errc::kBadFormat, fmt::format("row {}: its correlations contradict each other", row + 1));
+    out[row] =
+        solver.eigenvectors() * solver.eigenvalues().cwiseMax(0).asDiagonal() * solver.eigenvectors().transpose();
+  }
+  return out;
+}
+
+}  // namespace
 
 const UncertainPose* ExteriorTable::find(std::span<const std::string> names) const {
   for (const std::string& name : names) {
@@ -25,11 +58,10 @@ const UncertainPose* ExteriorTable::find(std::span<const std::string> names) con
 }
 
 Result<ExteriorTable> read_exterior_table(const std::filesystem::path& path) {
-  using Vector6 = Eigen::Matrix<double, 6, 1>;
   const auto in_file = [&](Error e) { return std::move(e).within(path.string()); };
   COLLINEA_TRY(const TextTable table, read_text_table(path));
   COLLINEA_TRY(const auto names, table.words("image").map_error(in_file));
-  constexpr std::array<const char*, 6> kNames{"X", "Y", "Z", "omega", "phi", "kappa"};
+  COLLINEA_TRY(const auto correlations, read_correlations(table).map_error(in_file));
   ExteriorTable out;
   out.is_metric = !table.unit_of("X").empty();
   std::vector<Vector6> values(names.size()), sigmas(names.size());
@@ -49,7 +81,8 @@ Result<ExteriorTable> read_exterior_table(const std::filesystem::path& path) {
     UncertainPose one;
     one.cam_from_world.rotation = cam_from_world({v[3], v[4], v[5]});
     one.cam_from_world.translation = -(one.cam_from_world.rotation * v.head<3>());
-    one.covariance = covariance_of_pose(one.cam_from_world, sigmas[i].cwiseAbs2().asDiagonal());
+    const Matrix6 of_elements = sigmas[i].asDiagonal() * correlations[i] * sigmas[i].asDiagonal();
+    one.covariance = covariance_of_pose(one.cam_from_world, of_elements);
     if (!one.covariance.allFinite()) one.covariance.setZero();
     if (!out.images.emplace(names[i], one).second)
       return fail(Errc::kBadFormat, fmt::format("{}: image {} is there twice", path.string(), names[i]));

@@ -18,7 +18,8 @@ struct UncertainPose {
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
-/// The exterior orientations of a table: image, X, Y, Z, omega, phi, kappa, with sigma_ columns where known.
+/// The exterior orientations of a table: image, X, Y, Z, omega, phi, kappa, with sigma_ columns where known, and
+/// correlation_X_Y to correlation_phi_kappa; nothing is known of correlations from image to image.
 struct ExteriorTable {
   std::map<std::string, UncertainPose> images;
   bool has_sigmas = false;
@@ -28,7 +29,7 @@ struct ExteriorTable {
   [[nodiscard]] const UncertainPose* find(std::span<const std::string> names) const;
 };
 
-/// Errors: the table, an image twice.
+/// Errors: the table, an image twice, correlations that no covariance has.
 [[nodiscard]] Result<ExteriorTable> read_exterior_table(const std::filesystem::path& path);
 
 }  // namespace collinea

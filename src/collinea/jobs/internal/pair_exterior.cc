@@ -71,6 +71,7 @@ RelativeReport relative_report_of(const PairOrientation& last, const PairFiles& 
   std::vector<PairPoint> used;
   for (std::size_t i = 0; i < report.points.size(); ++i)
     if (last.orientation.residuals[i].used) used.push_back(report.points[i]);
+  report.solutions = relative_solutions(last.orientation.second_from_first, used);
   report.shape = pair_shape(last.orientation.second_from_first, used, last.orientation.normal);
   report.model = model_points(last.orientation, report.points, report.base, true);
   return report;
@@ -103,10 +104,10 @@ std::array<PairExterior, 2> pair_exterior(const std::array<UncertainPose, 2>& po
   for (std::size_t k = 0; k < 2; ++k) {
     out[k].image = pair.files[k].filename().string();
     out[k].elements = estimates_of_pose(poses[k].cam_from_world);
-    if (poses[k].covariance.norm() > 0)  // otherwise it is exact
-      add_sigmas(
-          out[k].elements,
-          covariance_of_estimates(poses[k].cam_from_world, poses[k].covariance).diagonal().cwiseMax(0).asDiagonal());
+    if (poses[k].covariance.norm() > 0) {  // otherwise it is exact
+      out[k].covariance = covariance_of_estimates(poses[k].cam_from_world, poses[k].covariance);
+      add_sigmas(out[k].elements, out[k].covariance.diagonal().cwiseMax(0).asDiagonal());
+    }
     for (Estimate& element : out[k].elements) {
       if (element.unit == "m" && !is_metric) element.unit = "";
       if (std::abs(element.value) < kRounding) element.value = 0;  // of the datum

@@ -50,9 +50,11 @@ void add_geometry(const ModelOfPair& model, std::vector<Finding>& findings) {
       pair_shape(model.orientation.second_from_first,
                  normalised(model.points, model.left_camera, model.right_camera, 1), model.orientation.normal);
   if (!shape) return;
-  for (const PairWeakness weakness : shape->weaknesses)
+  for (const PairWeakness weakness : shape->weaknesses) {
+    if (weakness == PairWeakness::kNearPlane) continue;  // points off the plane tell both orientations apart
     findings.push_back(finding_of(C::kPairGeometry, {}, {{F::kRatio, shape->inflation}}, {RemedyCode::kLeaveSurface},
                                   std::string(word_of(weakness))));
+  }
 }
 
 // The base over the distance of the points along the view.

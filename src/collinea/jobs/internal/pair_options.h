@@ -70,11 +70,11 @@ struct PairChainOptions {
                 "text table: point X Y Z (- where not known), sigma_X sigma_Y sigma_Z [m], x_left y_left x_right "
                 "y_right [px], role (control, or check: only compared), for the absolute orientation"}
               .leads_to(PathKind::kFile));
-    visit(
-        Field{"exterior", &O::exterior, "",
-              "table of exterior orientations (image X Y Z omega phi kappa, with sigma_ columns where known) that the "
-              "pair is taken to have, in place of control and base: as relative, resection, triplet and pair write"}
-            .leads_to(PathKind::kFile));
+    visit(Field{"exterior", &O::exterior, "",
+                "table of exterior orientations (image X Y Z omega phi kappa, with sigma_ and correlation_ columns "
+                "where known) that the "
+                "pair is taken to have, in place of control and base: as relative, resection, triplet and pair write"}
+              .leads_to(PathKind::kFile));
     visit(Field{"control_sigma_px", &O::control_sigma_px, "px", "of the image coordinates of control", 1e-3, 100});
     visit(Field{"reject_control", &O::reject_control, "",
                 "leave out control one by one as long as the largest test w of a coordinate is beyond its limit"});

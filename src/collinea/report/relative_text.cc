@@ -3,69 +3,21 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
-#include "collinea/geometry/rotation.h"
 #include "collinea/math/fisher.h"
+#include "collinea/report/internal/relative_values.h"
 #include "collinea/report/single_step.h"
 
 namespace collinea {
+
+using namespace relative;
+
 namespace {
 
 constexpr double kFront = 0.9, kManyRejected = 0.2;  // shares of the points
-constexpr double kDegrees = 180 / std::numbers::pi;
-
-// One element of the orientation, in the unit for people.
-struct Element {
-  std::string name;
-  double value, sigma;
-  std::string unit;
-};
-
-std::vector<Element> elements_of(const Vector5& values, const Matrix5& covariance,
-                                 const std::array<const char*, 5>& names, int lengths) {
-  std::vector<Element> out;
-  for (int i = 0; i < 5; ++i) {
-    const double factor = i < lengths ? 1 : kDegrees;
-    out.push_back({names[static_cast<std::size_t>(i)], values(i) * factor,
-                   std::sqrt(std::max(0.0, covariance(i, i))) * factor, i < lengths ? "1" : "deg"});
-  }
-  return out;
-}
-
-Matrix5 covariance_by(const Matrix5& by, const RelativeOrientation& orientation) {
-  return by * orientation.stated_covariance() * by.transpose();
-}
-
-std::optional<DependentWithCovariance> dependent(const RelativeReport& report) {
-  const Rigid3& motion = report.orientation.second_from_first;
-  const auto elements = dependent_elements(motion);
-  if (!elements) return std::nullopt;
-  return DependentWithCovariance{*elements, covariance_by(dependent_by_change(motion), report.orientation)};
-}
-
-SymmetricWithCovariance symmetric(const RelativeReport& report) {
-  const Rigid3& motion = report.orientation.second_from_first;
-  return {symmetric_elements(motion), covariance_by(symmetric_by_change(motion), report.orientation)};
-}
-
-std::vector<Element> dependent_list(const DependentWithCovariance& d) {
-  return elements_of(d.elements.values(), d.covariance, {"by", "bz", "omega", "phi", "kappa"}, 2);
-}
-
-std::vector<Element> symmetric_list(const SymmetricWithCovariance& s) {
-  return elements_of(s.elements.values(), s.covariance, {"phi1", "kappa1", "omega2", "phi2", "kappa2"}, 0);
-}
-
-// 0 where one of the two is exact.
-double correlation_of(const Matrix5& covariance, Eigen::Index row, Eigen::Index column) {
-  const double product = covariance(row, row) * covariance(column, column);
-  return product > 0 ? covariance(row, column) / std::sqrt(product) : 0;
-}
 
 std::string list_text(const std::vector<Element>& elements, const Matrix5& covariance) {
   std::string text;
@@ -80,21 +32,6 @@ std::string list_text(const std::vector<Element>& elements, const Matrix5& covar
   }
   return text;
 }
-
-// Residuals in the unit and the axes of the table.
-Eigen::Vector4d residual_of(const RelativeReport& report, std::size_t i) {
-  const PairResidual& residual = report.orientation.residuals[i];
-  const double f = report.frame.camera.focal_px();
-  Eigen::Vector4d v;
-  v << residual.first * f, residual.second * report.second_principal_distance.value_or(f);
-  if (report.frame.y_up) {
-    v(1) = -v(1);
-    v(3) = -v(3);
-  }
-  return v;
-}
-
-double unit_weight(const RelativeReport& report) { return std::sqrt(report.orientation.variance_factor); }
 
 std::string head(const RelativeReport& report) {
   const RelativeOrientation& o = report.orientation;
@@ -122,6 +59,39 @@ std::string head(const RelativeReport& report) {
   return text;
 }
 
+// How the exhaustive search went, where it was the start.
+std::string start_text(const RelativeReport& report) {
+  const auto& search = report.orientation.search;
+  if (!search) return "";
+  return fmt::format(
+      "exhaustive search: {} of {} starts converge; {} different orientations fit as well as the best, "
+      "misclosure {:.2g} (unit rays, unit base)\n",
+      search->converged, search->starts, search->distinct.size(), search->rms);
+}
+
+// The four motions with the same coplanarity, and which of them was chosen.
+std::string solutions_text(const RelativeReport& report) {
+  std::string text = fmt::format("the four solutions, points of {} in front of both images; the first one is chosen:\n",
+                                 report.orientation.used);
+  text += fmt::format("  {:>8}{:>5}{:>11}{:>11}{:>11}{:>11}{:>11} {}\n", "in front", "bx", "by", "bz", "omega deg",
+                      "phi deg", "kappa deg", " phi1, kappa1, omega2, phi2, kappa2 deg");
+  for (const RelativeSolution& solution : report.solutions) {
+    text += fmt::format("  {:>8}", solution.in_front);
+    if (const auto d = dependent_elements(solution.second_from_first))
+      text += fmt::format("{:>5g}{:>11.5f}{:>11.5f}{:>11.5f}{:>11.5f}{:>11.5f}  ", d->bx, d->by, d->bz,
+                          d->omega * kDegrees, d->phi * kDegrees, d->kappa * kDegrees);
+    else
+      text += fmt::format("{:>5}{:>11}{:>11}{:>11}{:>11}{:>11}  ", "-", "-", "-", "-", "-", "-");
+    const SymmetricElements s = symmetric_elements(solution.second_from_first);
+    for (const double angle : {s.phi1, s.kappa1, s.omega2, s.phi2, s.kappa2})
+      text += fmt::format(" {:.5f}", angle * kDegrees);
+    text += "\n";
+  }
+  if (report.solutions[1].in_front == report.solutions[0].in_front)
+    text += "wrong: two solutions have as many points in front; nothing decides between them\n";
+  return text;
+}
+
 std::string elements_text(const RelativeReport& report) {
   std::string text;
   if (const auto d = dependent(report))
@@ -130,9 +100,11 @@ std::string elements_text(const RelativeReport& report) {
     text += "dependent pair: the base has no component along x, by and bz are without bound\n";
   const SymmetricWithCovariance s = symmetric(report);
   text += "symmetric pair (independent), omega1 = 0:\n" + list_text(symmetric_list(s), s.covariance);
-  text += fmt::format("{} has {} of {} points in front of both images\n",
-                      report.is_given ? "it" : "of the four solutions this one", report.orientation.in_front,
-                      report.orientation.used);
+  if (report.is_given)
+    text += fmt::format("it has {} of {} points in front of both images\n", report.orientation.in_front,
+                        report.orientation.used);
+  else
+    text += start_text(report) + solutions_text(report);
   const RelativeOrientation& o = report.orientation;
   if (o.in_front < kFront * o.used)
     text += "wrong: rays of many points meet behind an image. The points are not those of two views of one object\n";
@@ -247,14 +219,47 @@ std::string sentence_of(PairWeakness weakness, const RelativeReport& report) {
       return "critical: the points lie in one plane with the base: measure points on both sides of it\n";
     case PairWeakness::kNarrow:
       return fmt::format(
-          "weak: the points lie in a narrow band along the base ({:.1f} degrees, one standard deviation): measure "
-          "points further from it\n",
-          shape.breadth * kDegrees);
+          "weak: the points lie near one plane with the base, in a narrow band along it ({:.1f} degrees, one standard "
+          "deviation; rough by {}): measure points further from it\n",
+          shape.breadth * kDegrees, metres(shape.base_plane_roughness));
+    case PairWeakness::kNearPlane:
+      return fmt::format("note: the points lie near a plane (within {}, {:.1f} % of the distance)\n",
+                         metres(shape.plane_roughness), 100 * shape.plane_roughness / shape.distance);
     case PairWeakness::kShortBase:
       return fmt::format("weak: rays meet at {:.2f} degrees only: the base is short\n",
                          shape.median_angle_rad * kDegrees);
   }
   return "";
+}
+
+// The other orientation that a plane allows, and whether the points tell it from this one.
+std::string second_text(const RelativeReport& report) {
+  if (!report.second) return "";
+  const RelativeOrientation& second = *report.second;
+  std::string text =
+      fmt::format("the second orientation of that plane, {} of {} points in front:\n", second.in_front, second.used);
+  if (const auto d = dependent_elements(second.second_from_first))
+    text += fmt::format("  bx {:g}, by {:.5f}, bz {:.5f}, omega {:.5f}, phi {:.5f}, kappa {:.5f} deg\n", d->bx, d->by,
+                        d->bz, d->omega * kDegrees, d->phi * kDegrees, d->kappa * kDegrees);
+  const SymmetricElements s = symmetric_elements(second.second_from_first);
+  text +=
+      fmt::format("  phi1 {:.5f}, kappa1 {:.5f}, omega2 {:.5f}, phi2 {:.5f}, kappa2 {:.5f} deg\n", s.phi1 * kDegrees,
+                  s.kappa1 * kDegrees, s.omega2 * kDegrees, s.phi2 * kDegrees, s.kappa2 * kDegrees);
+  return text + fmt::format("  its sigma0 is {:.3f}, that of the first one {:.3f}\n", second.sigma0,
+                            report.orientation.sigma0);
+}
+
+// The simplified orientation beside the rigorous one.
+std::string linear_text(const RelativeReport& report) {
+  if (!report.linear) return "";
+  const LinearOrientation& linear = *report.linear;
+  double squares = 0;
+  for (const double parallax : linear.parallaxes) squares += parallax * parallax;
+  const double rms = std::sqrt(squares / double(linear.parallaxes.size())) * report.frame.camera.focal_px();
+  return fmt::format(
+      "simplified orientation, linear in the y-parallaxes (bx = 1; products of elements neglected), and "
+      "the rigorous one:\n{}its residual y-parallax, root mean square: {:.4f} {}; sigma0 {:.3f}\n",
+      indented_rows(relative_linear_table(report)), rms, report.frame.unit(), linear.sigma0);
 }
 
 std::string shape_text(const RelativeReport& report) {
@@ -272,6 +277,8 @@ std::string shape_text(const RelativeReport& report) {
       "{:.1f} times\n",
       shape.epsilon_raw, shape.epsilon, shape.inflation);
   text += fmt::format("known worst, each in units of its sigma with the others known: {}\n", null_text(shape));
+  text += fmt::format("roughness of the plane that fits best: {:.4g}, of the plane through the base: {:.4g}\n",
+                      shape.plane_roughness * report.base, shape.base_plane_roughness * report.base);
   if (shape.cylinder)
     text += fmt::format(
         "cylinder through the base that fits best: radius {:.4g}, roughness {:.4g} ({:.1f} % of the "
@@ -279,7 +286,7 @@ std::string shape_text(const RelativeReport& report) {
         shape.cylinder->radius * report.base, shape.cylinder->roughness * report.base,
         100 * shape.cylinder->roughness / shape.distance);
   for (const PairWeakness weakness : shape.weaknesses) text += sentence_of(weakness, report);
-  return text;
+  return text + second_text(report);
 }
 
 std::string distances_text(const RelativeReport& report) {
@@ -297,114 +304,18 @@ std::string distances_text(const RelativeReport& report) {
   return text;
 }
 
-std::string value(double v) { return fmt::format("{:.9g}", v); }
-
 }  // namespace
 
 std::string relative_text(const RelativeReport& report) {
-  return head(report) + elements_text(report) + residuals_text(report) + distances_text(report) + shape_text(report);
+  return head(report) + elements_text(report) + linear_text(report) + residuals_text(report) + distances_text(report) +
+         shape_text(report);
 }
 
 std::string relative_summary_text(const RelativeReport& report, std::size_t most_rejected) {
-  return head(report) + elements_text(report) + parallax_text(report) + rejection_text(report) +
+  return head(report) + elements_text(report) + linear_text(report) + parallax_text(report) + rejection_text(report) +
          rejected_text(report, most_rejected) + distances_text(report) + shape_text(report);
 }
 
-TextTable relative_correlation_table(const RelativeReport& report) {
-  TextTable table;
-  table.remarks = {"element k: the k-th of its form"};
-  table.columns = {{"form", ""}, {"element", ""}};
-  for (int k = 1; k <= 5; ++k) table.columns.push_back({fmt::format("element_{}", k), ""});
-  const auto add = [&](const char* form, const std::vector<Element>& elements, const Matrix5& c) {
-    for (Eigen::Index i = 0; i < 5; ++i) {
-      std::vector<std::string> row{form, elements[static_cast<std::size_t>(i)].name};
-      for (Eigen::Index k = 0; k < 5; ++k) row.push_back(decimal_text(c(i, k) / std::sqrt(c(i, i) * c(k, k)), 6));
-      table.rows.push_back(std::move(row));
-    }
-  };
-  if (const auto d = dependent(report)) add("dependent", dependent_list(*d), d->covariance);
-  const SymmetricWithCovariance s = symmetric(report);
-  add("symmetric", symmetric_list(s), s.covariance);
-  return table;
-}
-
-TextTable relative_parameter_table(const RelativeReport& report) {
-  TextTable table;
-  table.remarks = {"dependent pair: bx is the unit of by and bz; symmetric pair: omega1 = 0"};
-  table.columns = {{"form", ""}, {"element", ""}, {"value", ""}, {"sigma", ""}, {"unit", ""}};
-  const auto add = [&](const char* form, const std::vector<Element>& elements) {
-    for (const Element& e : elements) table.rows.push_back({form, e.name, value(e.value), value(e.sigma), e.unit});
-  };
-  if (const auto d = dependent(report)) {
-    table.rows.push_back({"dependent", "bx", value(d->elements.bx), "0", "1"});
-    add("dependent", dependent_list(*d));
-  }
-  add("symmetric", symmetric_list(symmetric(report)));
-  return table;
-}
-
-TextTable relative_residual_table(const RelativeReport& report) {
-  const std::string unit(report.frame.unit());
-  TextTable table;
-  table.columns = {{"point", ""},       {"v_x_left", unit},  {"v_y_left", unit},
-                   {"v_x_right", unit}, {"v_y_right", unit}, {"y_parallax", unit},
-                   {"redundancy", ""},  {"test", ""},        {"used", ""}};
-  const double weight = unit_weight(report);
-  for (std::size_t i = 0; i < report.points.size(); ++i) {
-    const PairResidual& residual = report.orientation.residuals[i];
-    const Eigen::Vector4d v = residual_of(report, i);
-    table.rows.push_back({report.names[i], value(v(0)), value(v(1)), value(v(2)), value(v(3)),
-                          value(residual.y_parallax * report.frame.camera.focal_px()), value(residual.redundancy),
-                          value(weight > 0 ? residual.standardised / weight : 0), residual.used ? "yes" : "no"});
-  }
-  return table;
-}
-
-TextTable relative_model_table(const RelativeReport& report) {
-  const std::string unit = report.base_is_given ? "m" : "";
-  TextTable table;
-  table.remarks = {fmt::format("model coordinates: axes of the left image (x right, y up, z backwards), base {:g} {}",
-                               report.base, unit)};
-  table.columns = {{"point", ""},
-                   {"U", unit},
-                   {"V", unit},
-                   {"W", unit},
-                   {"sigma_U", unit},
-                   {"sigma_V", unit},
-                   {"sigma_W", unit},
-                   {"correlation_UV", ""},
-                   {"correlation_UW", ""},
-                   {"correlation_VW", ""},
-                   {"parallax", unit},
-                   {"used", ""}};
-  for (std::size_t i = 0; i < report.points.size(); ++i) {
-    const auto& point = report.model.points[i];
-    if (!point) continue;
-    const Eigen::Vector3d& p = point->position;
-    const Eigen::Matrix3d& c = point->covariance;
-    const Eigen::Vector3d s = c.diagonal().cwiseMax(1e-300).cwiseSqrt();
-    const double parallax = std::copysign(point->parallax.norm(), report.orientation.residuals[i].y_parallax);
-    table.rows.push_back({report.names[i], value(p.x()), value(p.y()), value(p.z()), value(s.x()), value(s.y()),
-                          value(s.z()), value(c(0, 1) / (s.x() * s.y())), value(c(0, 2) / (s.x() * s.z())),
-                          value(c(1, 2) / (s.y() * s.z())), value(parallax),
-                          report.orientation.residuals[i].used ? "yes" : "no"});
-  }
-  return table;
-}
-
-TextTable relative_exterior_table(const RelativeReport& report) {
-  const std::string unit = report.base_is_given ? "m" : "";
-  TextTable table;
-  table.columns = {{"image", ""},    {"X", unit},    {"Y", unit},     {"Z", unit},
-                   {"omega", "deg"}, {"phi", "deg"}, {"kappa", "deg"}};
-  const Eigen::Vector3d& centre = report.model.second_centre.position;
-  const Eigen::Quaterniond first_from_model(0, 1, 0, 0);
-  const OmegaPhiKappa angles =
-      omega_phi_kappa((report.orientation.second_from_first.rotation * first_from_model).normalized());
-  table.rows.push_back({"left", "0", "0", "0", "0", "0", "0"});
-  table.rows.push_back({"right", value(centre.x()), value(centre.y()), value(centre.z()), value(angles.omega_deg),
-                        value(angles.phi_deg), value(angles.kappa_deg)});
-  return table;
-}
+std::string pair_shape_text(const RelativeReport& report) { return shape_text(report); }
 
 }  // namespace collinea
