@@ -3,19 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
-#include <set>
 
-#include "collinea/base/file.h"
-#include "collinea/geometry/absolute_orientation.h"
-#include "collinea/geometry/closed_similarity.h"
-#include "collinea/geometry/plane_similarity.h"
-#include "collinea/geometry/rotation_angles.h"
-#include "collinea/io/text.h"
-#include "collinea/jobs/internal/ground_table.h"
+#include "collinea/geometry/closed_orientation.h"
+#include "collinea/jobs/internal/absolute_plane.h"
+#include "collinea/jobs/internal/absolute_tables.h"
 
 namespace collinea {
 namespace {
@@ -24,171 +17,50 @@ using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr double kAssumedGroundSigma_m = 0.01;
 
-struct ModelTable {
-  std::vector<std::string> names;
-  std::vector<Vector3d> points;
-  std::vector<Matrix3d> covariances;
-  std::optional<MatrixXd> full;  // of all
-  bool states_sigmas = false;
-};
-
-Result<std::vector<Vector3d>> columns(const TextTable& table, const std::array<const char*, 3>& names,
-                                      std::optional<double> fallback, std::string_view unit) {
-  std::vector<Vector3d> out(table.rows.size());
-  for (int axis = 0; axis < 3; ++axis) {
-    const char* name = names[static_cast<std::size_t>(axis)];
-    COLLINEA_TRY(const auto values, fallback ? table.numbers_or(name, unit, *fallback) : table.numbers(name, unit));
-    for (std::size_t i = 0; i < out.size(); ++i) out[i][axis] = values[i];
-  }
-  return out;
-}
-
-Result<ModelTable> read_model(const std::filesystem::path& path, const OrientAbsoluteOptions& options) {
-  const auto in_file = [&](Error e) { return std::move(e).within(path.string()); };
-  COLLINEA_TRY(const TextTable table, read_text_table(path));
-  ModelTable model;
-  COLLINEA_TRY(model.names, table.words("point").map_error(in_file));
-  std::set<std::string> seen;
-  for (const std::string& name : model.names)
-    if (!seen.insert(name).second)
-      return fail(Errc::kBadFormat, fmt::format("{}: point {} is there twice", path.string(), name));
-  const bool is_plane = options.method == AbsoluteMethod::kPlane;
-  COLLINEA_TRY(model.points,
-               columns(table, {"U", "V", "W"}, is_plane ? std::optional(0.0) : std::nullopt, "m").map_error(in_file));
-  model.states_sigmas = table.has("sigma_U") || options.sigma_model.value_or(0) > 0;
-  COLLINEA_TRY(
-      const auto sigmas,
-      columns(table, {"sigma_U", "sigma_V", "sigma_W"}, options.sigma_model.value_or(0), "m").map_error(in_file));
-  COLLINEA_TRY(const auto correlations,
-               columns(table, {"correlation_UV", "correlation_UW", "correlation_VW"}, 0.0, "1").map_error(in_file));
-  for (std::size_t i = 0; i < sigmas.size(); ++i) {
-    const Vector3d &s = sigmas[i], &r = correlations[i];
-    Matrix3d c;
-    c << s[0] * s[0], r[0] * s[0] * s[1], r[1] * s[0] * s[2],  //
-        r[0] * s[0] * s[1], s[1] * s[1], r[2] * s[1] * s[2],   //
-        r[1] * s[0] * s[2], r[2] * s[1] * s[2], s[2] * s[2];
-    model.covariances.push_back(c);
-  }
-  return model;
-}
-
-Result<MatrixXd> read_covariance(const std::filesystem::path& path, const ModelTable& model) {
-  const auto in_file = [&](Error e) { return std::move(e).within(path.string()); };
-  COLLINEA_TRY(const TextTable table, read_text_table(path));
-  std::array<std::vector<std::string>, 4> keys;
-  const std::array<const char*, 4> names{"point_1", "axis_1", "point_2", "axis_2"};
-  for (std::size_t k = 0; k < 4; ++k) {
-    COLLINEA_TRY(keys[k], table.words(names[k]).map_error(in_file));
-  }
-  COLLINEA_TRY(const auto values, table.numbers("covariance", "1").map_error(in_file));
-  std::map<std::string, int> index;
-  for (std::size_t i = 0; i < model.names.size(); ++i) index[model.names[i]] = static_cast<int>(3 * i);
-  const auto size = static_cast<Eigen::Index>(3 * model.names.size());
-  MatrixXd full = MatrixXd::Zero(size, size);
-  for (std::size_t row = 0; row < values.size(); ++row) {
-    std::array<int, 2> at{};
-    for (std::size_t side = 0; side < 2; ++side) {
-      const std::string &point = keys[2 * side][row], &axis = keys[2 * side + 1][row];
-      const auto found = index.find(point);
-      const auto number = std::string("UVW").find(axis);
-      if (found == index.end() || axis.size() != 1 || number == std::string::npos)
-        return fail(Errc::kBadFormat, fmt::format("{}: row {}: {} {} is no coordinate of the model", path.string(),
-                                                  row + 1, point, axis));
-      at[side] = found->second + static_cast<int>(number);
-    }
-    full(at[0], at[1]) = full(at[1], at[0]) = values[row];
-  }
-  return full;
-}
-
-Result<GroundTable> read_ground(const std::filesystem::path& path, const OrientAbsoluteOptions& options) {
-  COLLINEA_TRY(GroundTable ground, read_ground_table(path, options.sigma_ground.value_or(0), false));
-  ground.states_sigmas |= options.sigma_ground.has_value();
-  for (const GroundTablePoint& point : ground.points)
-    if (!point.has_plan() && !point.position.head<2>().array().isNaN().all())
-      return fail(Errc::kBadFormat, fmt::format("{}: point {} has one of X and Y only", path.string(), point.name));
-  return ground;
-}
-
-// What both tables have, and what becomes of it.
-struct Control {
-  ModelTable model;
-  GroundTable ground;
-  std::vector<std::size_t> common;     // indices of the model
-  std::vector<AbsoluteControl> pairs;  // of them
-  std::vector<bool> is_check, is_rejected;
-  bool sigmas_are_stated = false;
-
-  [[nodiscard]] std::vector<std::size_t> used() const {
-    std::vector<std::size_t> out;
-    for (std::size_t k = 0; k < pairs.size(); ++k)
-      if (!is_check[k] && !is_rejected[k]) out.push_back(k);
-    return out;
-  }
-};
-
-Result<Control> read_control(const std::filesystem::path& model, const std::filesystem::path& ground,
-                             const OrientAbsoluteOptions& options) {
-  Control control;
-  COLLINEA_TRY(control.model, read_model(model, options));
-  if (options.model_covariance) {
-    COLLINEA_TRY(control.model.full, read_covariance(*options.model_covariance, control.model));
-    control.model.states_sigmas = true;
-  }
-  COLLINEA_TRY(control.ground, read_ground(ground, options));
-  control.sigmas_are_stated = control.model.states_sigmas || control.ground.states_sigmas;
-  std::set<std::string> checks;
-  for (const std::string_view name : fields_of(options.check, ','))
-    if (!name.empty()) checks.insert(std::string(name));
-  for (std::size_t i = 0; i < control.model.names.size(); ++i) {
-    const GroundTablePoint* found = control.ground.find(control.model.names[i]);
-    if (!found) continue;
-    AbsoluteControl pair{control.model.points[i], control.model.covariances[i], found->position, Matrix3d::Zero(),
-                         found->has_plan(),       found->has_height()};
-    if (control.model.full)
-      pair.model_covariance = control.model.full->block<3, 3>(Eigen::Index(3 * i), Eigen::Index(3 * i));
-    Vector3d sigma = control.sigmas_are_stated ? found->sigma : Vector3d::Constant(kAssumedGroundSigma_m);
-    for (int axis = 0; axis < 3; ++axis)
-      if (!std::isfinite(found->position[axis])) sigma[axis] = 0;  // not looked at
-    pair.ground_covariance = sigma.cwiseAbs2().asDiagonal();
-    control.common.push_back(i);
-    control.pairs.push_back(pair);
-    control.is_check.push_back(checks.erase(control.model.names[i]) > 0);
-  }
-  control.is_rejected.assign(control.pairs.size(), false);
-  if (!checks.empty())
-    return fail(Errc::kBadInput, fmt::format("check point {} is not in both tables", *checks.begin()),
-                {"check"_option});
-  if (control.common.empty())
-    return fail(Errc::kIllPosed, fmt::format("no point of {} is in {}", model.string(), ground.string()));
-  return control;
-}
-
-std::vector<AbsoluteControl> pairs_of(const Control& control, const std::vector<std::size_t>& used) {
+std::vector<AbsoluteControl> pairs_of(const AbsoluteTables& control, const std::vector<std::size_t>& used) {
   std::vector<AbsoluteControl> pairs;
   for (const std::size_t k : used) pairs.push_back(control.pairs[k]);
   return pairs;
 }
 
-Result<AbsoluteOrientation> fitted(const Control& control, const std::vector<std::size_t>& used) {
-  const std::vector<AbsoluteControl> pairs = pairs_of(control, used);
-  if (!control.model.full) return absolute_orientation(pairs);
-  const auto size = static_cast<Eigen::Index>(3 * used.size());
-  MatrixXd part(size, size);
-  for (std::size_t a = 0; a < used.size(); ++a)
-    for (std::size_t b = 0; b < used.size(); ++b)
-      part.block<3, 3>(Eigen::Index(3 * a), Eigen::Index(3 * b)) = control.model.full->block<3, 3>(
-          Eigen::Index(3 * control.common[used[a]]), Eigen::Index(3 * control.common[used[b]]));
-  return absolute_orientation(pairs, {.start = {}, .model_covariance = &part});
+Result<AbsoluteOrientation> in_closed_form(const std::vector<AbsoluteControl>& pairs, AbsoluteMethod method,
+                                           const MatrixXd* model_covariance) {
+  const ClosedForm form = method == AbsoluteMethod::kUmeyama      ? ClosedForm::kUmeyama
+                          : method == AbsoluteMethod::kQuaternion ? ClosedForm::kQuaternion
+                                                                  : ClosedForm::kRodrigues;
+  const auto found = closed_orientation(pairs, form, model_covariance);
+  if (!found)
+    return fail(Errc::kIllPosed,
+                fmt::format("a closed form needs three full points that do not lie on a line, with sigmas above 0 on "
+                            "one side; there are {} full ones",
+                            pairs.size()),
+                {"method"_option});
+  return *found;
 }
 
-// Least squares, and again without the worst as long as its test is beyond the limit and enough is left.
-Result<AbsoluteOrientation> fitted_with_rejection(Control& control, const OrientAbsoluteOptions& options) {
+Result<AbsoluteOrientation> fitted(const AbsoluteTables& control, const std::vector<std::size_t>& used,
+                                   AbsoluteMethod method) {
+  const std::vector<AbsoluteControl> pairs = pairs_of(control, used);
+  MatrixXd part;
+  if (control.model.full) {
+    const auto size = static_cast<Eigen::Index>(3 * used.size());
+    part.resize(size, size);
+    for (std::size_t a = 0; a < used.size(); ++a)
+      for (std::size_t b = 0; b < used.size(); ++b)
+        part.block<3, 3>(Eigen::Index(3 * a), Eigen::Index(3 * b)) = control.model.full->block<3, 3>(
+            Eigen::Index(3 * control.common[used[a]]), Eigen::Index(3 * control.common[used[b]]));
+  }
+  const MatrixXd* full = control.model.full ? &part : nullptr;
+  if (method != AbsoluteMethod::kLeastSquares) return in_closed_form(pairs, method, full);
+  return absolute_orientation(pairs, {.start = {}, .model_covariance = full});
+}
+
+// The orientation, and again without the worst as long as its test is beyond the limit and enough is left.
+Result<AbsoluteOrientation> fitted_with_rejection(AbsoluteTables& control, const OrientAbsoluteOptions& options) {
   while (true) {
     const std::vector<std::size_t> used = control.used();
-    COLLINEA_TRY(const AbsoluteOrientation found, fitted(control, used));
+    COLLINEA_TRY(const AbsoluteOrientation found, fitted(control, used, options.method));
     const VarianceTest variance{found.sigma0, found.redundancy, control.sigmas_are_stated, options.alpha};
     if (!options.reject || found.redundancy <= 1) return found;
     std::size_t worst = 0;
@@ -200,17 +72,15 @@ Result<AbsoluteOrientation> fitted_with_rejection(Control& control, const Orient
       }
     if (!(largest > variance.limit())) return found;
     control.is_rejected[worst] = true;
-    if (!fitted(control, control.used())) {  // not enough is left without it
+    if (!fitted(control, control.used(), options.method)) {  // not enough is left without it
       control.is_rejected[worst] = false;
       return found;
     }
   }
 }
 
-std::vector<Estimate> estimates_of(const AbsoluteParameters& p, double factor, bool with_sigmas) {
-  const auto sigma = [&](int i, double unit) {
-    return with_sigmas ? std::optional(factor * unit * std::sqrt(p.covariance(i, i))) : std::nullopt;
-  };
+std::vector<Estimate> estimates_of(const AbsoluteParameters& p, double factor) {
+  const auto sigma = [&](int i, double unit) { return factor * unit * std::sqrt(p.covariance(i, i)); };
   return {{"X0", "m", p.origin_on_ground.x(), sigma(0, 1)},
           {"Y0", "m", p.origin_on_ground.y(), sigma(1, 1)},
           {"Z0", "m", p.origin_on_ground.z(), sigma(2, 1)},
@@ -220,16 +90,15 @@ std::vector<Estimate> estimates_of(const AbsoluteParameters& p, double factor, b
           {"scale", "", p.scale, sigma(6, 1)}};
 }
 
-AbsoluteReport report_of(const Control& control, const AbsoluteOrientation& found, const VarianceTest& variance,
-                         bool is_rigorous) {
+AbsoluteReport report_of(const AbsoluteTables& control, const AbsoluteOrientation& found,
+                         const VarianceTest& variance) {
   AbsoluteReport report;
-  report.is_rigorous = is_rigorous;
   report.variance = variance;
   report.solutions = found.solutions;
   const double factor = variance.factor();
   const AbsoluteParameters parameters = parameters_of(found);
-  report.parameters = estimates_of(parameters, factor, is_rigorous);
-  if (is_rigorous) report.covariance = parameters.covariance;
+  report.parameters = estimates_of(parameters, factor);
+  report.covariance = parameters.covariance;
   std::size_t next = 0;
   for (std::size_t k = 0; k < control.pairs.size(); ++k) {
     const AbsoluteControl& pair = control.pairs[k];
@@ -242,11 +111,11 @@ AbsoluteReport report_of(const Control& control, const AbsoluteOrientation& foun
                                 pair.has_height,
                                 control.is_check[k],
                                 control.is_rejected[k]};
-    if (point.is_check || point.is_rejected || !is_rigorous) {
+    if (point.is_check || point.is_rejected) {
       const GroundPoint at = on_ground(found, pair.in_model, pair.model_covariance);
       point.misfit = pair.in_ground - at.position;
       point.sigma = factor * (at.covariance + pair.ground_covariance).diagonal().cwiseSqrt();
-      if (is_rigorous) point.w = point.misfit.cwiseQuotient(point.sigma);
+      point.w = point.misfit.cwiseQuotient(point.sigma);
     } else {
       const ControlResidual& residual = found.residuals[next++];
       point.misfit = residual.misfit;
@@ -268,7 +137,11 @@ AbsoluteReport report_of(const Control& control, const AbsoluteOrientation& foun
   return report;
 }
 
-Result<AbsoluteReport> by_least_squares(Control& control, const OrientAbsoluteOptions& options) {
+Result<AbsoluteReport> in_space(AbsoluteTables& control, const OrientAbsoluteOptions& options) {
+  const bool is_closed = options.method != AbsoluteMethod::kLeastSquares;
+  if (is_closed)  // what is known in part cannot take part
+    for (std::size_t k = 0; k < control.pairs.size(); ++k)
+      control.is_check[k] = control.is_check[k] || !control.pairs[k].is_full();
   if (options.least_median) {
     const std::vector<std::size_t> used = control.used();
     const auto wrong = contradicting_control(pairs_of(control, used), options.seed);
@@ -280,97 +153,9 @@ Result<AbsoluteReport> by_least_squares(Control& control, const OrientAbsoluteOp
   }
   COLLINEA_TRY(const AbsoluteOrientation found, fitted_with_rejection(control, options));
   AbsoluteReport report =
-      report_of(control, found, {found.sigma0, found.redundancy, control.sigmas_are_stated, options.alpha}, true);
+      report_of(control, found, {found.sigma0, found.redundancy, control.sigmas_are_stated, options.alpha});
   report.iterations = found.iterations;
-  return report;
-}
-
-Result<AbsoluteReport> in_closed_form(const Control& control, const OrientAbsoluteOptions& options) {
-  std::vector<Vector3d> model, ground;
-  for (const std::size_t k : control.used())
-    if (control.pairs[k].is_full()) {
-      model.push_back(control.pairs[k].in_model);
-      ground.push_back(control.pairs[k].in_ground);
-    }
-  std::optional<Similarity3> found;
-  if (options.method == AbsoluteMethod::kUmeyama) found = align(model, ground);
-  if (options.method == AbsoluteMethod::kQuaternion) found = align_by_quaternion(model, ground);
-  if (options.method == AbsoluteMethod::kRodrigues)
-    if (const auto linear = align_by_rodrigues(model, ground)) found = linear->b_from_a;
-  if (!found)
-    return fail(Errc::kIllPosed,
-                fmt::format("a closed form needs three full points that do not lie on a line, there are {} full ones",
-                            model.size()),
-                {"method"_option});
-  AbsoluteOrientation orientation;
-  orientation.ground_from_model = *found;
-  AbsoluteReport report = report_of(control, orientation, {}, false);
-  report.closed_form = word_of(options.method);
-  return report;
-}
-
-std::vector<Estimate> estimates_of(const PlaneSimilarity& p, double factor, const char* x, const char* y) {
-  const auto sigma = [&](int i) { return factor * std::sqrt(p.covariance(i, i)); };
-  return {{x, "m", p.shift.x(), sigma(0)},
-          {y, "m", p.shift.y(), sigma(1)},
-          {"scale", "", p.scale, sigma(2)},
-          {"angle", "deg", p.angle_rad * kDegrees, sigma(3) * kDegrees}};
-}
-
-Result<AbsoluteReport> in_plane(const Control& control, const OrientAbsoluteOptions& options) {
-  std::vector<PlanePair> pairs;
-  std::vector<std::size_t> used;
-  for (const std::size_t k : control.used()) {
-    const AbsoluteControl& pair = control.pairs[k];
-    if (!pair.has_plan) continue;
-    pairs.push_back({pair.in_model.head<2>(), pair.in_ground.head<2>(), pair.model_covariance.topLeftCorner<2, 2>(),
-                     pair.ground_covariance.topLeftCorner<2, 2>()});
-    used.push_back(k);
-  }
-  const auto fit = fit_plane_similarity(pairs);
-  if (!fit)
-    return fail(Errc::kIllPosed,
-                "a plane similarity needs two points apart that are known in plan, with sigmas above 0");
-  AbsoluteReport report;
-  report.is_plane = report.is_rigorous = true;
-  report.variance = {fit->sigma0, fit->redundancy, control.sigmas_are_stated, options.alpha};
-  const double factor = report.variance.factor();
-  report.parameters = estimates_of(fit->b_from_a, factor, "X0", "Y0");
-  report.inverse_parameters = estimates_of(inverse(fit->b_from_a), factor, "U0", "V0");
-  report.covariance = fit->b_from_a.covariance;
-  report.full = static_cast<int>(pairs.size());
-  const auto lifted = [](const Eigen::Vector2d& v) { return Vector3d(v.x(), v.y(), 0); };
-  for (std::size_t k = 0; k < control.pairs.size(); ++k) {
-    const AbsoluteControl& pair = control.pairs[k];
-    AbsoluteReport::Point point{control.model.names[control.common[k]],
-                                Vector3d::Zero(),
-                                Vector3d::Zero(),
-                                Vector3d::Zero(),
-                                Vector3d::Zero(),
-                                pair.has_plan,
-                                false,
-                                control.is_check[k],
-                                false};
-    point.misfit = lifted(pair.in_ground.head<2>() - fit->b_from_a * pair.in_model.head<2>());
-    const auto found = std::find(used.begin(), used.end(), k);
-    if (found != used.end()) {
-      const auto i = static_cast<std::size_t>(found - used.begin());
-      point.sigma = factor * lifted(fit->sigmas[i]);
-      point.redundancy = lifted(fit->redundancies[i]);
-      point.w = lifted(fit->w[i]) / factor;
-    }
-    report.points.push_back(std::move(point));
-  }
-  for (std::size_t i = 0; i < control.model.names.size(); ++i) {
-    const Eigen::Vector2d u = control.model.points[i].head<2>(), x = fit->b_from_a * u;
-    const Eigen::Vector2d arm = fit->b_from_a.matrix() * u;
-    Eigen::Matrix<double, 2, 4> by;
-    by << 1, 0, arm.x() / fit->b_from_a.scale, -arm.y(), 0, 1, arm.y() / fit->b_from_a.scale, arm.x();
-    const Eigen::Matrix2d own = fit->b_from_a.matrix() * control.model.covariances[i].topLeftCorner<2, 2>() *
-                                fit->b_from_a.matrix().transpose();
-    const Eigen::Matrix2d covariance = by * fit->b_from_a.covariance * by.transpose() + own;
-    report.ground.push_back({control.model.names[i], lifted(x), lifted(factor * covariance.diagonal().cwiseSqrt())});
-  }
+  if (is_closed) report.closed_form = word_of(options.method);
   return report;
 }
 
@@ -379,10 +164,8 @@ Result<AbsoluteReport> in_plane(const Control& control, const OrientAbsoluteOpti
 Result<AbsoluteReport> orient_absolutely(const std::filesystem::path& model, const std::filesystem::path& ground,
                                          const OrientAbsoluteOptions& options) {
   COLLINEA_TRY(validate(options));
-  COLLINEA_TRY(Control control, read_control(model, ground, options));
-  if (options.method == AbsoluteMethod::kLeastSquares) return by_least_squares(control, options);
-  if (options.method == AbsoluteMethod::kPlane) return in_plane(control, options);
-  return in_closed_form(control, options);
+  COLLINEA_TRY(AbsoluteTables control, read_absolute_tables(model, ground, options));
+  return options.method == AbsoluteMethod::kPlane ? orient_in_plane(control, options) : in_space(control, options);
 }
 
 }  // namespace collinea

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "collinea/base/result.h"
+#include "collinea/geometry/absolute_control.h"
+#include "collinea/jobs/internal/absolute_options.h"
+#include "collinea/jobs/internal/ground_table.h"
+
+namespace collinea {
+
+struct ModelTable {
+  std::vector<std::string> names;
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Eigen::Matrix3d> covariances;
+  std::optional<Eigen::MatrixXd> full;  ///< of all
+  bool states_sigmas = false;
+};
+
+/// What both tables have, and what becomes of it.
+struct AbsoluteTables {
+  ModelTable model;
+  GroundTable ground;
+  std::vector<std::size_t> common;     ///< indices of the model
+  std::vector<AbsoluteControl> pairs;  ///< of them
+  std::vector<bool> is_check, is_rejected;
+  bool sigmas_are_stated = false;
+
+  [[nodiscard]] std::vector<std::size_t> used() const {
+    std::vector<std::size_t> out;
+    for (std::size_t k = 0; k < pairs.size(); ++k)
+      if (!is_check[k] && !is_rejected[k]) out.push_back(k);
+    return out;
+  }
+};
+
+/// Both tables and the points that they have in common. Errors: files, columns, a check point that is not in both, no
+/// common point.
+[[nodiscard]] Result<AbsoluteTables> read_absolute_tables(const std::filesystem::path& model,
+                                                          const std::filesystem::path& ground,
+                                                          const OrientAbsoluteOptions& options);
+
+}  // namespace collinea
