@@ -169,6 +169,15 @@ void add_residuals(std::span<const ProjectedPoint> points, const std::vector<ByP
   pose.sigma0 = std::sqrt(std::max(0.0, squares - scaled.dot(unit_normal.ldlt().solve(scaled))) / pose.redundancy);
 }
 
+// Whether the affine map between points in space has a reflection in it.
+bool is_mirrored(const std::vector<Vector3d>& a, const std::vector<Vector3d>& b) {
+  Vector3d mean = Vector3d::Zero();
+  for (const Vector3d& point : a) mean += point / double(a.size());
+  Matrix3d moments = Matrix3d::Zero();
+  for (std::size_t i = 0; i < a.size(); ++i) moments += b[i] * (a[i] - mean).transpose();
+  return !(moments.determinant() > 0);
+}
+
 }  // namespace
 
 std::optional<LinearPose> linear_pose(std::span<const ProjectedPoint> points) {
@@ -182,6 +191,7 @@ std::optional<LinearPose> linear_pose(std::span<const ProjectedPoint> points) {
     in_world.push_back(points[i].in_object);
     in_camera.emplace_back(depths->depth[Eigen::Index(i)] * points[i].in_image.homogeneous());
   }
+  if (!open->is_plane && is_mirrored(in_world, in_camera)) return std::nullopt;
   const auto similarity = align(in_world, in_camera);
   if (!similarity || !(similarity->scale > 0)) return std::nullopt;
   LinearPose pose;

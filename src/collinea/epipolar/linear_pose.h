@@ -35,7 +35,8 @@ struct LinearPose {
 /// dl = -G^+ dG l, and larger. Six points in space, four on a plane; points within 1e-5 of their extent of a plane
 /// count as on it. Cost grows with the cube of the points.
 ///
-/// Nothing with fewer points, on a line, when the depths are left open, or when one of them is not positive.
+/// Nothing with fewer points, on a line, when the depths are left open, when one of them is not positive, or when
+/// points in space are seen mirrored (points whose thickness is lost in the errors can look so).
 [[nodiscard]] std::optional<LinearPose> linear_pose(std::span<const ProjectedPoint> points);
 
 }  // namespace collinea

@@ -94,12 +94,23 @@ TEST(LinearPose, TooFewPointsAndPointsOnALineHaveNone) {
   EXPECT_FALSE(linear_pose(same.points));
 }
 
-// Points that no camera before them can have seen.
-TEST(LinearPose, AMirroredImageHasNone) {
-  Scene scene(4, 12, 0, false);
-  for (ProjectedPoint& point : scene.points) point.in_image.x() = -point.in_image.x();
-  const auto found = linear_pose(scene.points);
-  EXPECT_TRUE(!found || found->sigma0 > 100);
+// The mirrored image of points in space fits depths without error, but no rotation: there is no pose. That of a plane
+// is what a camera on its other side sees, x mirrored: rotation S R N and centre N C, with S = diag(-1, 1, 1) and N the
+// reflection in the plane.
+TEST(LinearPose, AMirroredImageIsNoneInSpaceAndOneFromBehindAPlane) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed)
+    for (const bool is_plane : {false, true}) {
+      Scene scene(seed, 12, 0, is_plane);
+      for (ProjectedPoint& point : scene.points) point.in_image.x() = -point.in_image.x();
+      const auto found = linear_pose(scene.points);
+      ASSERT_EQ(found.has_value(), is_plane) << seed;
+      if (!is_plane) continue;
+      const Vector3d normal = Vector3d(-0.3, 0.1, 1).normalized(), on_plane(0, 0, 0.5);
+      const Vector3d centre = centre_of(scene.cam_from_world);
+      const Vector3d behind = centre - 2 * normal.dot(centre - on_plane) * normal;
+      EXPECT_LT((centre_of(found->cam_from_world) - behind).norm(), 1e-4) << seed;  // digits as above
+      EXPECT_LT(found->sigma0, 0.1);                                                // in units of 1e-4: the same digits
+    }
 }
 
 }  // namespace

@@ -10,7 +10,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-std::vector<ProjectedPoint> points_of(std::uint64_t seed, int count, double sigma, bool is_plane) {
+// `noise` of the image coordinates; their stated sigma is 0.5.
+std::vector<ProjectedPoint> points_of(std::uint64_t seed, int count, double noise, bool is_plane) {
   Random random(seed);
   const Rigid3 pose{rotation_by(scene::random_vector(random, 0.5)), {0.4, -0.3, 12}};
   std::vector<ProjectedPoint> points;
@@ -19,8 +20,8 @@ std::vector<ProjectedPoint> points_of(std::uint64_t seed, int count, double sigm
     point.in_object = scene::random_vector(random, 3);
     if (is_plane) point.in_object.z() = 0;
     const Vector3d in_camera = pose * point.in_object;
-    point.in_image = 3000 * in_camera.hnormalized() + scene::noise(random, sigma);
-    point.sigma = sigma;
+    point.in_image = 3000 * in_camera.hnormalized() + scene::noise(random, noise);
+    point.sigma = 0.5;
     points.push_back(point);
   }
   return points;

@@ -37,6 +37,12 @@ std::optional<Elements> elements_of(const Eigen::Matrix<double, 3, 4>& matrix, b
   return out;
 }
 
+std::optional<VectorXd> stacked_elements(const MatrixXd& matrix, bool y_up) {
+  const auto elements = elements_of(matrix, y_up);
+  if (!elements) return std::nullopt;
+  return VectorXd(*elements);
+}
+
 // The covariance of what `values` reads from a matrix, by differences along its elements. `is_angle`: in degrees.
 template <class Values, class IsAngle>
 MatrixXd covariance_by_differences(const ProjectionFit& fit, Eigen::Index count, const Values& values,
@@ -128,11 +134,10 @@ void add_space(const ProjectionFit& fit, double factor, const PhotoFrame& frame,
                ResectionReport::Image& image) {
   const auto elements = elements_of(fit.matrix, frame.y_up);
   if (!elements) return;
-  const MatrixXd covariance =
-      factor * factor *
-      covariance_by_differences(
-          fit, 11, [&](const MatrixXd& matrix) -> std::optional<VectorXd> { return elements_of(matrix, frame.y_up); },
-          [](Eigen::Index i) { return i >= 3 && i < 6; });
+  const MatrixXd covariance = factor * factor *
+                              covariance_by_differences(
+                                  fit, 11, [&](const MatrixXd& matrix) { return stacked_elements(matrix, frame.y_up); },
+                                  [](Eigen::Index i) { return i >= 3 && i < 6; });
   const std::array<const char*, 6> exterior{"X", "Y", "Z", "omega", "phi", "kappa"};
   const std::array<const char*, 5> interior{"c_x", "c_y", "axes", "x0", "y0"};
   for (int k = 0; k < 6; ++k)

@@ -40,11 +40,11 @@ struct ResectOneOptions {
     visit(Field{"near", &O::near, "",
                 "X,Y,Z of an approximate projection centre, where three points leave several poses"});
     visit(Field{"least_median", &O::least_median, "",
-                "leave out points that the least median of squares over triples contradicts"});
+                "leave out points that the least median of squares over minimal samples contradicts"});
     visit(Field{"reject", &O::reject, "",
                 "leave out measurements one by one as long as the largest test w is beyond its limit"});
     visit(Field{"alpha", &O::alpha, "1", "chance with which a test rejects what is right", 1e-6, 0.5});
-    visit(Field{"seed", &O::seed, "", "of the triples drawn where there are many"});
+    visit(Field{"seed", &O::seed, "", "of the samples drawn where there are many"});
   }
 };
 
