@@ -63,13 +63,13 @@ Eigen::Matrix<double, 3, 9> turn_by(const Matrix3d& rotation) {
   return turn;
 }
 
-Eigen::Matrix<double, 4, 3> by_turn(const Eigen::Quaterniond& quaternion) {
+Eigen::Matrix<double, 4, 3> by_rotation(const Eigen::Quaterniond& quaternion) {
   Eigen::Matrix<double, 4, 3> by;  // (0, w) q / 2
   by << -quaternion.vec().transpose(), quaternion.w() * Matrix3d::Identity() - skew(quaternion.vec());
   return by / 2;
 }
 
-Eigen::Matrix<double, 9, 3> by_turn(const Matrix3d& rotation) {
+Eigen::Matrix<double, 9, 3> by_rotation(const Matrix3d& rotation) {
   Eigen::Matrix<double, 9, 3> by;
   for (int axis = 0; axis < 3; ++axis) {
     const Matrix3d change = skew(Vector3d::Unit(axis)) * rotation;

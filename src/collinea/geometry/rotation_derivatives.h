@@ -24,7 +24,7 @@ namespace collinea {
 [[nodiscard]] Eigen::Matrix<double, 3, 9> turn_by(const Eigen::Matrix3d& rotation);
 
 /// Back: the change of a unit quaternion (w, x, y, z), and of the nine elements row by row.
-[[nodiscard]] Eigen::Matrix<double, 4, 3> by_turn(const Eigen::Quaterniond& quaternion);
-[[nodiscard]] Eigen::Matrix<double, 9, 3> by_turn(const Eigen::Matrix3d& rotation);
+[[nodiscard]] Eigen::Matrix<double, 4, 3> by_rotation(const Eigen::Quaterniond& quaternion);
+[[nodiscard]] Eigen::Matrix<double, 9, 3> by_rotation(const Eigen::Matrix3d& rotation);
 
 }  // namespace collinea

@@ -60,8 +60,8 @@ TEST(RotationDerivatives, EveryFormAgreesWithDifferences) {
     const Matrix3d matrix = rotation_matrix(CardanAngles{a, b, c});
     expect_turn(matrix.reshaped<Eigen::RowMajor>(), matrix, turn_by(matrix));
     const Eigen::Quaterniond unit = unit_quaternion(matrix);
-    EXPECT_LT((turn_by(unit) * by_turn(unit) - Matrix3d::Identity()).norm(), 1e-13);
-    EXPECT_LT((turn_by(matrix) * by_turn(matrix) - Matrix3d::Identity()).norm(), 1e-13);
+    EXPECT_LT((turn_by(unit) * by_rotation(unit) - Matrix3d::Identity()).norm(), 1e-13);
+    EXPECT_LT((turn_by(matrix) * by_rotation(matrix) - Matrix3d::Identity()).norm(), 1e-13);
   }
 }
 

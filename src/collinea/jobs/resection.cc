@@ -9,6 +9,7 @@
 
 #include "collinea/io/number_rows.h"
 #include "collinea/jobs/internal/pose_estimates.h"
+#include "collinea/jobs/internal/resection_linear.h"
 #include "collinea/jobs/internal/resection_matrix.h"
 #include "collinea/jobs/internal/resection_station.h"
 #include "collinea/jobs/internal/resection_tables.h"
@@ -218,6 +219,7 @@ Result<ResectionReport> resect_from_tables(const std::filesystem::path& measurem
   COLLINEA_TRY(validate(options));
   COLLINEA_TRY(ResectionTables tables, read_resection_tables(measurements, ground, options));
   if (options.method == ResectionMethod::kCollinearity) return by_collinearity(tables, options);
+  if (options.method == ResectionMethod::kLinear) return by_linear_pose(tables, options);
   if (options.method == ResectionMethod::kStation) return of_station(tables, options);
   return by_transformation(tables, options);
 }

@@ -19,11 +19,11 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 constexpr double kSigma_mm = 0.005;
 
-// A photograph of 20 points (of a plane, or in space) with errors of 5 um, and what is added to some of them.
-struct Photograph {
+// An image of 20 points (of a plane, or in space) with errors of 5 um, and what is added to some of them.
+struct MeasuredImage {
   std::string measurements = "point x[mm] y[mm] sigma[mm]\n", ground = "point X Y Z\n";
 
-  Photograph(bool is_plane, const std::vector<std::pair<int, Vector2d>>& wrong) {
+  MeasuredImage(bool is_plane, const std::vector<std::pair<int, Vector2d>>& wrong) {
     Random random(11);
     const Eigen::Matrix3d r = rotation_matrix(CardanAngles{0.1, -0.2, 0.6});
     const Vector3d centre(20, -30, 900);
@@ -46,8 +46,8 @@ class Rejection : public ::testing::Test {
     EXPECT_TRUE(write_file(folder_ / name, text));
     return folder_ / name;
   }
-  [[nodiscard]] Result<ResectionReport> resect(const Photograph& photograph, const ResectOneOptions& options) const {
-    return resect_from_tables(file("m.txt", photograph.measurements), file("g.txt", photograph.ground), options);
+  [[nodiscard]] Result<ResectionReport> resect(const MeasuredImage& image, const ResectOneOptions& options) const {
+    return resect_from_tables(file("m.txt", image.measurements), file("g.txt", image.ground), options);
   }
   TestFolder folder_;
 };
@@ -64,15 +64,15 @@ std::vector<std::string> rejected(const ResectionReport& report) {
 TEST_F(Rejection, TransformationsLeaveOutWhatIsWrong) {
   for (const ResectionMethod method : {ResectionMethod::kDlt, ResectionMethod::kPlane})
     for (const bool by_median : {false, true}) {
-      const Photograph photograph(method == ResectionMethod::kPlane, {{3, {3, 0}}, {12, {-1, 2.5}}});
+      const MeasuredImage image(method == ResectionMethod::kPlane, {{3, {3, 0}}, {12, {-1, 2.5}}});
       ResectOneOptions options;
       options.method = method;
-      const auto bent = resect(photograph, options);
+      const auto bent = resect(image, options);
       ASSERT_TRUE(bent);
       EXPECT_GT(bent->variance.sigma0, 50);
       EXPECT_TRUE(rejected(*bent).empty());
       (by_median ? options.least_median : options.reject) = true;
-      const auto report = resect(photograph, options);
+      const auto report = resect(image, options);
       ASSERT_TRUE(report) << report.error().message;
       const auto names = rejected(*report);
       EXPECT_TRUE(std::count(names.begin(), names.end(), "3") && std::count(names.begin(), names.end(), "12"));

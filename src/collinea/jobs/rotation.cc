@@ -109,11 +109,11 @@ class Forms {
   Forms(double unit, const std::optional<Eigen::Matrix3d>& of_turn) : unit_(unit), of_turn_(of_turn) {}
 
   void add(const char* form, std::vector<const char*> names, const std::vector<double>& values, bool is_angle,
-           const MatrixXd& by_turn, bool is_singular) {
+           const MatrixXd& by_rotation, bool is_singular) {
     const double unit = is_angle ? unit_ : 1;
     RotationReport::Form out{form, {}, is_singular};
     for (std::size_t i = 0; i < names.size(); ++i) out.values.emplace_back(names[i], values[i] / unit);
-    if (of_turn_ && !is_singular) out.covariance = by_turn * *of_turn_ * by_turn.transpose() / (unit * unit);
+    if (of_turn_ && !is_singular) out.covariance = by_rotation * *of_turn_ * by_rotation.transpose() / (unit * unit);
     forms_.push_back(std::move(out));
   }
   [[nodiscard]] std::vector<RotationReport::Form> take() { return std::move(forms_); }
@@ -144,7 +144,7 @@ std::vector<RotationReport::Form> forms_of(const Eigen::Matrix3d& rotation, doub
     forms.add("rodrigues", {"a", "b", "c"}, {p->a, p->b, p->c}, false, turn_by(*p).inverse(), false);
   else
     forms.add("rodrigues", {}, {}, false, MatrixXd(), true);
-  forms.add("quaternion", {"w", "x", "y", "z"}, {q.w(), q.x(), q.y(), q.z()}, false, by_turn(q), false);
+  forms.add("quaternion", {"w", "x", "y", "z"}, {q.w(), q.x(), q.y(), q.z()}, false, by_rotation(q), false);
   return forms.take();
 }
 
@@ -176,7 +176,7 @@ Result<RotationReport> convert_rotation(const std::string& numbers, const Conver
     COLLINEA_TRY(const MatrixXd of_numbers, covariance_of_numbers(options));
     const MatrixXd turn = turn_of(values, options.from, unit, *rotation);
     of_turn = turn * of_numbers * turn.transpose();
-    const Eigen::Matrix<double, 9, 3> by = by_turn(*rotation);
+    const Eigen::Matrix<double, 9, 3> by = by_rotation(*rotation);
     const Eigen::Matrix<double, 9, 1> sigmas = (by * *of_turn * by.transpose()).diagonal().cwiseMax(0).cwiseSqrt();
     report.sigma_matrix = sigmas.reshaped<Eigen::RowMajor>(3, 3);
   }

@@ -201,6 +201,8 @@ std::string method_text(const ResectionReport& report) {
       return fmt::format("space resection by collinearity, {}{}, {} iterations",
                          counted_text(report.images.size(), "image"), report.images.size() == 1 ? "" : " at once",
                          report.iterations);
+    case ResectionReport::Kind::kLinear:
+      return "pose of a known camera by linear equations, all points of equal weight, without iterations";
     case ResectionReport::Kind::kDlt:
       return fmt::format("direct linear transformation, 11 parameters, {} iterations", report.iterations);
     case ResectionReport::Kind::kPlane:

@@ -13,7 +13,7 @@ namespace collinea {
 
 /// A resection of one image or more, or of a station in the plane, and what its points say of it.
 struct ResectionReport {
-  enum class Kind { kCollinearity, kDlt, kPlane, kStation };
+  enum class Kind { kCollinearity, kLinear, kDlt, kPlane, kStation };
   /// A projection matrix taken apart, (x, y, 1) ~ K (R X + t) with R of omega, phi and kappa in the axes of the table:
   /// of pixels x right, y down, z forward; of photographs x right, y up, z backwards with K(0,0), K(1,1) = -c.
   struct MatrixParts {

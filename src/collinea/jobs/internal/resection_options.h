@@ -10,9 +10,11 @@
 
 namespace collinea {
 
-enum class ResectionMethod : std::uint8_t { kCollinearity, kDlt, kPlane, kStation };
+enum class ResectionMethod : std::uint8_t { kCollinearity, kLinear, kDlt, kPlane, kStation };
 inline constexpr Word<ResectionMethod> kResectionMethodWords[] = {
     {ResectionMethod::kCollinearity, "collinearity", "all images at once by least squares, from P3P"},
+    {ResectionMethod::kLinear, "linear",
+     "one image by linear equations, without start: six points, or four of a plane"},
     {ResectionMethod::kDlt, "dlt", "direct linear transformation, 11 parameters, of points in space"},
     {ResectionMethod::kPlane, "plane", "the same of a plane, 8 parameters"},
     {ResectionMethod::kStation, "station", "from directions in the plane (Snellius, Pothenot)"}};

@@ -65,7 +65,7 @@ Result<ResectionTables> read_resection_tables(const std::filesystem::path& measu
     if (std::find(tables.images.begin(), tables.images.end(), images[i]) == tables.images.end())
       tables.images.push_back(images[i]);
   }
-  const bool needs_height = options.method == ResectionMethod::kDlt || options.method == ResectionMethod::kCollinearity;
+  const bool needs_height = options.method != ResectionMethod::kPlane && !is_station;
   COLLINEA_TRY(tables.ground, read_ground_table(ground, options.sigma_ground.value_or(0), needs_height));
   if (tables.marks.empty()) return fail(Errc::kBadInput, measurements.string() + " has no measurements");
   return tables;
