@@ -59,9 +59,9 @@ class LinearResection : public ::testing::Test {
   TestFolder folder_;
 };
 
-// 300 seeds: the mean of chi-squared/6 scatters by sqrt(2 / 6 / 300), of sigma0^2 by sqrt(2 / 34 / 300): four of each.
+// 100 seeds: the mean of chi-squared/6 scatters by sqrt(2 / 6 / 100), of sigma0^2 by sqrt(2 / 34 / 100): four of each.
 TEST_F(LinearResection, CovariancesMatchTheRealErrors) {
-  constexpr int kSeeds = 300;
+  constexpr int kSeeds = 100;
   for (const bool is_plane : {false, true}) {
     double sum = 0, squares = 0;
     for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
