@@ -14,7 +14,8 @@ Command resection_command() {
     ConsoleOptions console;
   };
   return console_command<Asked>(
-      "resection", "exterior orientation of single images from control points: collinearity, P3P, DLT, plane, station",
+      "resection",
+      "exterior orientation of single images from control points: collinearity, P3P, linear, DLT, plane, station",
       [](Flags& flags, Asked& asked) {
         flags.positional("measurements", asked.measurements, "table with image, point, x, y, sigma");
         flags.positional("ground", asked.ground, "table with point, X, Y, Z and sigmas");

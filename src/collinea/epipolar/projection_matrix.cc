@@ -92,6 +92,16 @@ std::optional<VectorXd> linear_solution(const Normalised& n) {
   return VectorXd(eigen.eigenvectors().col(0));
 }
 
+// The matrix of elements in given coordinates, with the sign by which the point is before the camera.
+MatrixXd facing(const VectorXd& elements, const ProjectedPoint& point) {
+  const Eigen::Index columns = elements.size() / 3;
+  const MatrixXd matrix = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+      elements.data(), 3, columns);
+  VectorXd at = VectorXd::Ones(columns);
+  at.head(columns - 1) = point.in_object.head(columns - 1);
+  return matrix.row(2).dot(at) < 0 ? MatrixXd(-matrix) : matrix;
+}
+
 struct Linearised {
   MatrixXd normal;
   VectorXd right;
@@ -193,12 +203,7 @@ std::optional<ProjectionFit> fitted(std::span<const ProjectedPoint> points, int 
   const MatrixXd across = MatrixXd::Identity(given.size(), given.size()) - given * given.transpose();
   const MatrixXd map = across * back / length;
   fit.covariance = map * *inverse * map.transpose();
-  fit.matrix = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(given.data(), 3,
-                                                                                                  dimensions + 1);
-  // The sign with which points are before the camera.
-  VectorXd first = VectorXd::Ones(dimensions + 1);
-  first.head(dimensions) = points[0].in_object.head(dimensions);
-  if (fit.matrix.row(2).dot(first) < 0) fit.matrix = -fit.matrix;
+  fit.matrix = facing(given, points[0]);
   return fit;
 }
 
@@ -207,6 +212,17 @@ std::optional<ProjectionFit> fitted(std::span<const ProjectedPoint> points, int 
 std::optional<ProjectionFit> fit_projection(std::span<const ProjectedPoint> points) { return fitted(points, 3); }
 
 std::optional<ProjectionFit> fit_plane_projection(std::span<const ProjectedPoint> points) { return fitted(points, 2); }
+
+std::optional<Eigen::Matrix<double, 3, Eigen::Dynamic>> linear_projection(std::span<const ProjectedPoint> points,
+                                                                          bool is_plane) {
+  const int dimensions = is_plane ? 2 : 3;
+  if (points.size() < (is_plane ? 4u : 6u)) return std::nullopt;
+  const auto n = normalised(points, dimensions);
+  if (!n) return std::nullopt;
+  const auto elements = linear_solution(*n);
+  if (!elements) return std::nullopt;
+  return facing((n->back() * *elements).normalized(), points[0]);
+}
 
 std::optional<Decomposition> decomposed(const Eigen::Matrix<double, 3, 4>& projection) {
   const Matrix3d q = projection.leftCols<3>();

@@ -35,6 +35,12 @@ struct ProjectionFit {
 /// The same of a plane with 8 parameters: four points or more, no three of four on a line.
 [[nodiscard]] std::optional<ProjectionFit> fit_plane_projection(std::span<const ProjectedPoint> points);
 
+/// The linear solution alone, by the least sum of squares of the equations multiplied by their denominators: a start.
+/// Points in space: 3 x 4, six points; of a plane: 3 x 3, four. The first point lies before the camera. Nothing as
+/// above.
+[[nodiscard]] std::optional<Eigen::Matrix<double, 3, Eigen::Dynamic>> linear_projection(
+    std::span<const ProjectedPoint> points, bool is_plane);
+
 /// K of Bolognesi 2.1: [ax, -ax cot(theta), x0; 0, ay / sin(theta), y0; 0, 0, 1].
 struct Decomposition {
   Eigen::Matrix3d calibration;  ///< upper triangular, positive diagonal, 1 in the corner

@@ -57,8 +57,8 @@ concept RefinesAbsolutely = RobustProblem<P> && requires(const P& problem, const
 /// The median breaks down at half of the measurements, whatever their errors are. The sum of absolute errors is bent by
 /// leverage and by errors that agree with each other, since no error is left out of it; errors behind a camera count as
 /// 1e5 px. `directions` of an error: 1 (epipolar) or 2. Deterministic in the state of `random`. Nothing when no sample
-/// gave a model, or a refinement is not determined.
-template <RefinesAbsolutely Problem>
+/// gave a model, or a refinement is not determined; by absolute errors nothing of a problem that cannot refine by them.
+template <RobustProblem Problem>
 class StartSearch {
  public:
   using Model = typename Problem::Model;
@@ -173,9 +173,12 @@ class StartSearch {
 
   // What makes the sum larger is not taken; false: not determined.
   bool refine_absolute() {
-    const std::optional<Model> next = problem_.refine_absolute(*best_);
-    if (next && criterion_of(*next) <= criterion_of(*best_)) best_ = next;
-    return next.has_value();
+    if constexpr (RefinesAbsolutely<Problem>) {
+      const std::optional<Model> next = problem_.refine_absolute(*best_);
+      if (next && criterion_of(*next) <= criterion_of(*best_)) best_ = next;
+      return next.has_value();
+    }
+    return false;
   }
 
   const Problem& problem_;
@@ -189,7 +192,7 @@ class StartSearch {
   int trials_ = 0;
 };
 
-template <RefinesAbsolutely Problem>
+template <RobustProblem Problem>
 [[nodiscard]] std::optional<StartFit<typename Problem::Model>> robust_start(const Problem& problem, RobustStart kind,
                                                                             int directions, Random& random) {
   return StartSearch<Problem>(problem, kind, directions, random).run();

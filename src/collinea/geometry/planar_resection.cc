@@ -4,9 +4,12 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {
@@ -100,6 +103,40 @@ std::optional<Vector2d> best_start(std::span<const PlanarDirection> directions) 
   return best;
 }
 
+// Calls visit with all triples below n, or with `most` drawn ones.
+template <class Visit>
+void for_triples(std::size_t n, std::size_t most, std::uint64_t seed, const Visit& visit) {
+  if (n * (n - 1) * (n - 2) / 6 <= most) {
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = i + 1; j < n; ++j)
+        for (std::size_t k = j + 1; k < n; ++k) visit(i, j, k);
+    return;
+  }
+  Random random(seed);
+  const auto below = static_cast<std::uint32_t>(n);
+  for (std::size_t trial = 0; trial < most; ++trial) {
+    const std::size_t i = random.below(below), j = random.below(below), k = random.below(below);
+    if (i != j && j != k && i != k) visit(i, j, k);
+  }
+}
+
+// Misfits over their sigmas.
+std::vector<double> misfits_at(std::span<const PlanarDirection> directions, const Vector2d& station,
+                               double orientation) {
+  std::vector<Vector3d> rows;
+  std::vector<double> misfits;
+  linearise(directions, station, orientation, rows, misfits);
+  return misfits;
+}
+
+// Robust standard deviation by the h-th smallest misfit (Rousseeuw and Leroy 1987), in stated ones.
+double robust_scale(std::vector<double> misfits) {
+  const std::size_t n = misfits.size(), h = std::min(n, n / 2 + 2) - 1;
+  for (double& misfit : misfits) misfit = std::abs(misfit);
+  std::nth_element(misfits.begin(), misfits.begin() + static_cast<std::ptrdiff_t>(h), misfits.end());
+  return 1.4826 * (1 + 5 / (double(n) - 3)) * misfits[h];
+}
+
 void add_danger_circle(std::span<const PlanarDirection> directions, PlanarResection& out) {
   Matrix3d normal = Matrix3d::Zero();
   Vector3d right = Vector3d::Zero();
@@ -161,6 +198,39 @@ std::optional<PlanarResection> planar_resection(std::span<const PlanarDirection>
     out.orientation_rad += 2 * kPi;
   add_danger_circle(directions, out);
   return out;
+}
+
+std::optional<std::vector<std::size_t>> contradicting_directions(std::span<const PlanarDirection> directions,
+                                                                 std::uint64_t seed) {
+  if (directions.size() < 5) return std::nullopt;
+  std::vector<double> best;
+  double least = std::numeric_limits<double>::infinity();
+  for_triples(directions.size(), 500, seed, [&](std::size_t i, std::size_t j, std::size_t k) {
+    const std::array<PlanarDirection, 3> triple{directions[i], directions[j], directions[k]};
+    const auto station = of_three(triple[0], triple[1], triple[2]);
+    if (!station) return;
+    std::vector<double> misfits = misfits_at(directions, *station, orientation_at(triple, *station));
+    if (const double scale = robust_scale(misfits); scale < least) {
+      least = scale;
+      best = std::move(misfits);
+    }
+  });
+  if (best.empty()) return std::nullopt;
+  std::vector<std::size_t> wrong;
+  for (int round = 0; round < 3; ++round) {
+    const double limit = 2.5 * std::max(1.0, robust_scale(best));
+    std::vector<PlanarDirection> right;
+    wrong.clear();
+    for (std::size_t i = 0; i < directions.size(); ++i)
+      if (std::abs(best[i]) <= limit)
+        right.push_back(directions[i]);
+      else
+        wrong.push_back(i);
+    const auto refined = planar_resection(right);
+    if (!refined) return std::nullopt;
+    best = misfits_at(directions, refined->station, refined->orientation_rad);
+  }
+  return wrong;
 }
 
 }  // namespace collinea

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -30,5 +32,12 @@ struct PlanarResection {
 /// By the circles of three directions in closed form (all triples, 200 at most), then least squares of all. Nothing
 /// with fewer than three, when the points coincide, or when the station is on the danger circle of the points.
 [[nodiscard]] std::optional<PlanarResection> planar_resection(std::span<const PlanarDirection> directions);
+
+/// The indices of directions that contradict the least median of squares over triples (all, or 500 drawn ones): their
+/// misfit at the station of those that agree is beyond 2.5 robust standard deviations and 2.5 of their own. Of n
+/// directions n - [n/2] - 2 may be wrong. Nothing with fewer than five, or when those that agree leave the station
+/// open.
+[[nodiscard]] std::optional<std::vector<std::size_t>> contradicting_directions(
+    std::span<const PlanarDirection> directions, std::uint64_t seed);
 
 }  // namespace collinea

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 #include "collinea/math/random.h"
@@ -80,6 +81,29 @@ TEST(PlanarResection, OnTheDangerCircleThereIsNone) {
     EXPECT_LT(found->covariance(0, 0), before);
     before = found->covariance(0, 0);
   }
+}
+
+// Of nine directions three may be wrong (9 - 4 - 2). Right ones are rejected at 2.5 standard deviations, one in 80, and
+// more because the scale is that of few: less than one of the six in the mean.
+TEST(PlanarResection, TheLeastMedianFindsWrongDirections) {
+  int right_rejected = 0;
+  constexpr int kSeeds = 50;
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    Random random(seed);
+    auto directions = directions_from({1e5 + 50 * random.normal(), 2e5}, 1, 9, 2e-5, random);
+    for (const std::size_t i : {1, 4, 6}) directions[i].direction_rad += 1e-3 * double(i + 1);
+    const auto wrong = contradicting_directions(directions, 1);
+    ASSERT_TRUE(wrong) << seed;
+    for (const std::size_t i : {1, 4, 6}) EXPECT_TRUE(std::count(wrong->begin(), wrong->end(), i)) << seed << " " << i;
+    right_rejected += static_cast<int>(wrong->size()) - 3;
+  }
+  EXPECT_LT(right_rejected, kSeeds);
+  Random random(7);
+  const auto none = contradicting_directions(directions_from({1e5, 2e5}, 1, 6, 0, random), 1);
+  ASSERT_TRUE(none);
+  EXPECT_TRUE(none->empty());
+  EXPECT_FALSE(contradicting_directions(directions_from({1e5, 2e5}, 1, 4, 0, random), 1));
+  EXPECT_FALSE(contradicting_directions(std::vector<PlanarDirection>(6, {{1, 2}, 0.3, 1e-4}), 1));
 }
 
 TEST(PlanarResection, TooLittleIsRefused) {

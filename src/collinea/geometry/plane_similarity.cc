@@ -5,6 +5,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "collinea/math/random.h"
 
 namespace collinea {
 namespace {
@@ -31,6 +34,61 @@ Equations equations_of(const PlanePair& pair, const Vector2d& mean_a, const Vect
   e.measured = pair.in_b - mean_b;
   e.covariance = pair.covariance_b + turned * pair.covariance_a * turned.transpose();
   return e;
+}
+
+// Through two points of each side, as complex numbers: (b2 - b1) / (a2 - a1).
+std::optional<PlaneSimilarity> through_two(const PlanePair& first, const PlanePair& second) {
+  const Vector2d a = second.in_a - first.in_a, b = second.in_b - first.in_b;
+  if (!(a.squaredNorm() > 0 && b.squaredNorm() > 0)) return std::nullopt;
+  PlaneSimilarity out{Vector2d::Zero(), b.norm() / a.norm(), std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b)),
+                      Matrix4d::Zero()};
+  out.shift = first.in_b - out.matrix() * first.in_a;
+  return out;
+}
+
+std::vector<double> distances(std::span<const PlanePair> pairs, const PlaneSimilarity& b_from_a) {
+  std::vector<double> out;
+  for (const PlanePair& pair : pairs) out.push_back((pair.in_b - b_from_a * pair.in_a).norm());
+  return out;
+}
+
+// Robust standard deviation of a coordinate by the h-th smallest distance (Rousseeuw and Leroy 1987; chi-squared with
+// two degrees of freedom).
+double robust_scale(std::vector<double> distances) {
+  const std::size_t n = distances.size(), h = std::min(n, n / 2 + 1) - 1;
+  std::nth_element(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(h), distances.end());
+  return 0.8493 * (1 + 5 / (double(n) - 2)) * distances[h];
+}
+
+// The similarity with the least scale over pairs of points: all, or `most` drawn ones.
+std::optional<PlaneSimilarity> least_median(std::span<const PlanePair> pairs, std::size_t most, std::uint64_t seed) {
+  std::optional<PlaneSimilarity> best;
+  double least = std::numeric_limits<double>::infinity();
+  const auto attempt = [&](std::size_t i, std::size_t j) {
+    const auto candidate = through_two(pairs[i], pairs[j]);
+    if (!candidate) return;
+    if (const double scale = robust_scale(distances(pairs, *candidate)); scale < least) {
+      least = scale;
+      best = candidate;
+    }
+  };
+  const std::size_t n = pairs.size();
+  if (n * (n - 1) / 2 <= most) {
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = i + 1; j < n; ++j) attempt(i, j);
+    return best;
+  }
+  Random random(seed);
+  for (std::size_t trial = 0; trial < most; ++trial) {
+    const auto i = random.below(static_cast<std::uint32_t>(n)), j = random.below(static_cast<std::uint32_t>(n));
+    if (i != j) attempt(i, j);
+  }
+  return best;
+}
+
+// Standard deviation of a coordinate of a pair's misfit.
+double own_sigma(const PlanePair& pair, const PlaneSimilarity& b_from_a) {
+  return std::sqrt((pair.covariance_b.trace() + b_from_a.scale * b_from_a.scale * pair.covariance_a.trace()) / 2);
 }
 
 }  // namespace
@@ -115,6 +173,28 @@ std::optional<PlaneSimilarityFit> fit_plane_similarity(std::span<const PlanePair
   fit.redundancy = 2 * static_cast<int>(pairs.size()) - 4;
   if (fit.redundancy > 0) fit.sigma0 = std::sqrt(squares / fit.redundancy);
   return fit;
+}
+
+std::optional<std::vector<std::size_t>> contradicting_in_plane(std::span<const PlanePair> pairs, std::uint64_t seed) {
+  if (pairs.size() < 4) return std::nullopt;
+  auto best = least_median(pairs, 500, seed);
+  if (!best) return std::nullopt;
+  std::vector<std::size_t> wrong;
+  for (int round = 0; round < 3; ++round) {
+    const std::vector<double> off = distances(pairs, *best);
+    const double scale = robust_scale(off);
+    std::vector<PlanePair> right;
+    wrong.clear();
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+      if (off[i] <= 3.04 * std::max(scale, own_sigma(pairs[i], *best)))
+        right.push_back(pairs[i]);
+      else
+        wrong.push_back(i);
+    const auto fit = fit_plane_similarity(right);
+    if (!fit) return std::nullopt;
+    best = fit->b_from_a;
+  }
+  return wrong;
 }
 
 }  // namespace collinea

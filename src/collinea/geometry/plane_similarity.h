@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -40,5 +42,12 @@ struct PlaneSimilarityFit {
 /// By least squares; linear in scale cos and scale sin, repeated for the weights C_b + scale^2 R C_a R'. Four unknowns:
 /// two points at least. Nothing when all points of a side coincide, or weights are not positive definite.
 [[nodiscard]] std::optional<PlaneSimilarityFit> fit_plane_similarity(std::span<const PlanePair> pairs);
+
+/// The indices of points that contradict the least median of squares over pairs of points (all, or 500 drawn ones): off
+/// the similarity of those that agree by more than 3.04 robust standard deviations of a coordinate and of their own, as
+/// one of 100 right ones is. Of n points n - [n/2] - 1 may be wrong. Nothing with fewer than four, or when those that
+/// agree coincide.
+[[nodiscard]] std::optional<std::vector<std::size_t>> contradicting_in_plane(std::span<const PlanePair> pairs,
+                                                                             std::uint64_t seed);
 
 }  // namespace collinea

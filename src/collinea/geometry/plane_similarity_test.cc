@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 #include "collinea/math/random.h"
@@ -68,6 +69,27 @@ TEST(PlaneSimilarity, CovariancesMatchTheRealErrorsBothWays) {
   EXPECT_NEAR(squares / kSeeds, 1, 0.08);
   EXPECT_NEAR(tests / kSeeds, 1, 0.08);
   EXPECT_NEAR(double(inside) / kSeeds, 0.95, 0.02);
+}
+
+// Of six points two may be wrong (6 - 3 - 1). Right ones are rejected at 1 %, and more because the scale is that of
+// few: less than one of four in the mean.
+TEST(PlaneSimilarity, TheLeastMedianFindsWrongPoints) {
+  int right_rejected = 0;
+  constexpr int kSeeds = 100;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    auto pairs = pairs_with(0.02, 0.04, static_cast<std::uint64_t>(seed));
+    pairs[1].in_b += Vector2d(3, -2);
+    pairs[4].in_b += Vector2d(-50, 20);
+    const auto wrong = contradicting_in_plane(pairs, 1);
+    ASSERT_TRUE(wrong) << seed;
+    for (const std::size_t i : {1, 4}) EXPECT_TRUE(std::count(wrong->begin(), wrong->end(), i)) << seed << " " << i;
+    right_rejected += static_cast<int>(wrong->size()) - 2;
+  }
+  EXPECT_LT(right_rejected, kSeeds);
+  const auto pairs = pairs_with(0.02, 0.04, 1);
+  EXPECT_FALSE(contradicting_in_plane(std::span(pairs).first(3), 1));
+  std::vector<PlanePair> same(5);
+  EXPECT_FALSE(contradicting_in_plane(same, 1));
 }
 
 TEST(PlaneSimilarity, PointsInOneSpotAreRefused) {

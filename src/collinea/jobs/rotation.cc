@@ -3,14 +3,20 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <vector>
 
-#include "collinea/geometry/rotation_angles.h"
+#include "collinea/geometry/rotation_derivatives.h"
 #include "collinea/io/number_rows.h"
 
 namespace collinea {
 namespace {
+
+using Eigen::MatrixXd;
 
 constexpr double radians_in(AngleUnit unit) {
   return unit == AngleUnit::kDegree ? std::numbers::pi / 180 : unit == AngleUnit::kGon ? std::numbers::pi / 200 : 1;
@@ -18,6 +24,10 @@ constexpr double radians_in(AngleUnit unit) {
 
 std::size_t count_of(RotationForm form) {
   return form == RotationForm::kMatrix ? 9 : form == RotationForm::kQuaternion ? 4 : 3;
+}
+
+bool has_angles(RotationForm form) {
+  return form != RotationForm::kMatrix && form != RotationForm::kQuaternion && form != RotationForm::kRodrigues;
 }
 
 Result<Eigen::Matrix3d> matrix_of(const std::vector<double>& n, RotationForm form, double unit) {
@@ -45,6 +55,99 @@ Result<Eigen::Matrix3d> matrix_of(const std::vector<double>& n, RotationForm for
   return matrix;
 }
 
+// The covariance of the numbers, of angles in radians.
+Result<MatrixXd> covariance_of_numbers(const ConvertRotationOptions& options) {
+  const std::size_t count = count_of(options.from);
+  COLLINEA_TRY(const auto sigmas, parse_numbers(*options.sigmas));
+  if (sigmas.size() != count || *std::min_element(sigmas.begin(), sigmas.end()) < 0)
+    return fail(Errc::kBadInput, fmt::format("{} standard deviations are wanted, none below 0", count),
+                {"sigmas"_option});
+  std::vector<double> correlations(count * (count - 1) / 2, 0);
+  if (options.correlations) {
+    COLLINEA_TRY(correlations, parse_numbers(*options.correlations));
+    if (correlations.size() != count * (count - 1) / 2)
+      return fail(Errc::kBadInput, fmt::format("{} correlations are wanted", count * (count - 1) / 2),
+                  {"correlations"_option});
+  }
+  const auto size = static_cast<Eigen::Index>(count);
+  MatrixXd correlation = MatrixXd::Identity(size, size);
+  auto next = correlations.begin();
+  for (Eigen::Index i = 0; i < size; ++i)
+    for (Eigen::Index j = i + 1; j < size; ++j) correlation(i, j) = correlation(j, i) = *next++;
+  constexpr double kRounding = 1e-6;  // correlations of a table have some digits
+  if (!(Eigen::SelfAdjointEigenSolver<MatrixXd>(correlation).eigenvalues()[0] > -kRounding))
+    return fail(Errc::kBadInput, "the correlations are those of no covariance", {"correlations"_option});
+  const double unit = has_angles(options.from) ? radians_in(options.unit) : 1;
+  const Eigen::VectorXd scale = unit * Eigen::Map<const Eigen::VectorXd>(sigmas.data(), size);
+  return MatrixXd(scale.asDiagonal() * correlation * scale.asDiagonal());
+}
+
+// The rotation vector by the numbers.
+MatrixXd turn_of(const std::vector<double>& n, RotationForm form, double unit, const Eigen::Matrix3d& rotation) {
+  switch (form) {
+    case RotationForm::kCardan:
+      return turn_by(CardanAngles{unit * n[0], unit * n[1], unit * n[2]});
+    case RotationForm::kEuler:
+      return turn_by(EulerAngles{unit * n[0], unit * n[1], unit * n[2]});
+    case RotationForm::kTopographic:
+      return turn_by(TopographicAngles{unit * n[0], unit * n[1], unit * n[2]});
+    case RotationForm::kGeodetic:
+      return turn_by(GeodeticAngles{unit * n[0], unit * n[1], unit * n[2]});
+    case RotationForm::kRodrigues:
+      return turn_by(RodriguesParameters{n[0], n[1], n[2]});
+    case RotationForm::kQuaternion:
+      return turn_by(Eigen::Quaterniond(n[0], n[1], n[2], n[3]));
+    case RotationForm::kMatrix:
+      break;
+  }
+  return turn_by(rotation);
+}
+
+// All forms but the matrix itself, with the covariance where that of the rotation vector is known.
+class Forms {
+ public:
+  Forms(double unit, const std::optional<Eigen::Matrix3d>& of_turn) : unit_(unit), of_turn_(of_turn) {}
+
+  void add(const char* form, std::vector<const char*> names, const std::vector<double>& values, bool is_angle,
+           const MatrixXd& by_rotation, bool is_singular) {
+    const double unit = is_angle ? unit_ : 1;
+    RotationReport::Form out{form, {}, is_singular};
+    for (std::size_t i = 0; i < names.size(); ++i) out.values.emplace_back(names[i], values[i] / unit);
+    if (of_turn_ && !is_singular) out.covariance = by_rotation * *of_turn_ * by_rotation.transpose() / (unit * unit);
+    forms_.push_back(std::move(out));
+  }
+  [[nodiscard]] std::vector<RotationReport::Form> take() { return std::move(forms_); }
+
+ private:
+  double unit_;
+  std::optional<Eigen::Matrix3d> of_turn_;
+  std::vector<RotationReport::Form> forms_;
+};
+
+std::vector<RotationReport::Form> forms_of(const Eigen::Matrix3d& rotation, double unit,
+                                           const std::optional<Eigen::Matrix3d>& of_turn) {
+  const CardanAngles c = cardan_angles(rotation);
+  const EulerAngles e = euler_angles(rotation);
+  const TopographicAngles t = topographic_angles(rotation);
+  const GeodeticAngles g = geodetic_angles(rotation);
+  const Eigen::Quaterniond q = unit_quaternion(rotation);
+  Forms forms(unit, of_turn);
+  forms.add("cardan", {"omega", "phi", "kappa"}, {c.omega_rad, c.phi_rad, c.kappa_rad}, true, turn_by(c).inverse(),
+            c.is_singular);
+  forms.add("euler", {"precession", "nutation", "spin"}, {e.precession_rad, e.nutation_rad, e.spin_rad}, true,
+            turn_by(e).inverse(), e.is_singular);
+  forms.add("topographic", {"azimuth", "zenith", "roll"}, {t.azimuth_rad, t.zenith_rad, t.roll_rad}, true,
+            turn_by(t).inverse(), t.is_singular);
+  forms.add("geodetic", {"latitude", "longitude", "azimuth"}, {g.latitude_rad, g.longitude_rad, g.azimuth_rad}, true,
+            turn_by(g).inverse(), g.is_singular);
+  if (const auto p = rodrigues_parameters(rotation))
+    forms.add("rodrigues", {"a", "b", "c"}, {p->a, p->b, p->c}, false, turn_by(*p).inverse(), false);
+  else
+    forms.add("rodrigues", {}, {}, false, MatrixXd(), true);
+  forms.add("quaternion", {"w", "x", "y", "z"}, {q.w(), q.x(), q.y(), q.z()}, false, by_rotation(q), false);
+  return forms.take();
+}
+
 }  // namespace
 
 Result<RotationReport> convert_rotation(const std::string& numbers, const ConvertRotationOptions& options) {
@@ -66,27 +169,18 @@ Result<RotationReport> convert_rotation(const std::string& numbers, const Conver
   report.matrix = *rotation;
   report.given_error = orthonormality_error(given);
   report.unit = word_of(options.unit);
-  const CardanAngles c = cardan_angles(*rotation);
-  const EulerAngles e = euler_angles(*rotation);
-  const TopographicAngles t = topographic_angles(*rotation);
-  const GeodeticAngles g = geodetic_angles(*rotation);
-  const Eigen::Quaterniond q = unit_quaternion(*rotation);
-  const auto add = [&](const char* form, std::vector<const char*> names, const std::vector<double>& angles,
-                       double divisor, bool is_singular) {
-    RotationReport::Form out{form, {}, is_singular};
-    for (std::size_t i = 0; i < names.size(); ++i) out.values.emplace_back(names[i], angles[i] / divisor);
-    report.forms.push_back(std::move(out));
-  };
-  add("cardan", {"omega", "phi", "kappa"}, {c.omega_rad, c.phi_rad, c.kappa_rad}, unit, c.is_singular);
-  add("euler", {"precession", "nutation", "spin"}, {e.precession_rad, e.nutation_rad, e.spin_rad}, unit, e.is_singular);
-  add("topographic", {"azimuth", "zenith", "roll"}, {t.azimuth_rad, t.zenith_rad, t.roll_rad}, unit, t.is_singular);
-  add("geodetic", {"latitude", "longitude", "azimuth"}, {g.latitude_rad, g.longitude_rad, g.azimuth_rad}, unit,
-      g.is_singular);
-  if (const auto p = rodrigues_parameters(*rotation))
-    add("rodrigues", {"a", "b", "c"}, {p->a, p->b, p->c}, 1, false);
-  else
-    add("rodrigues", {}, {}, 1, true);
-  add("quaternion", {"w", "x", "y", "z"}, {q.w(), q.x(), q.y(), q.z()}, 1, false);
+  if (options.correlations && !options.sigmas)
+    return fail(Errc::kBadInput, "correlations are of no use without standard deviations", {"sigmas"_option});
+  std::optional<Eigen::Matrix3d> of_turn;
+  if (options.sigmas) {
+    COLLINEA_TRY(const MatrixXd of_numbers, covariance_of_numbers(options));
+    const MatrixXd turn = turn_of(values, options.from, unit, *rotation);
+    of_turn = turn * of_numbers * turn.transpose();
+    const Eigen::Matrix<double, 9, 3> by = by_rotation(*rotation);
+    const Eigen::Matrix<double, 9, 1> sigmas = (by * *of_turn * by.transpose()).diagonal().cwiseMax(0).cwiseSqrt();
+    report.sigma_matrix = sigmas.reshaped<Eigen::RowMajor>(3, 3);
+  }
+  report.forms = forms_of(*rotation, unit, of_turn);
   return report;
 }
 

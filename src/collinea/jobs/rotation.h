@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "collinea/base/options.h"
@@ -29,16 +30,25 @@ inline constexpr Word<AngleUnit> kAngleUnitWords[] = {
 struct ConvertRotationOptions {
   RotationForm from = RotationForm::kCardan;
   AngleUnit unit = AngleUnit::kDegree;
+  std::optional<std::string> sigmas, correlations;
 
   template <class Visit>
   static void describe(Visit&& visit) {
     using O = ConvertRotationOptions;
     visit(Field{"from", &O::from, "", "what the numbers are"});
     visit(Field{"unit", &O::unit, "", "of the angles, given and shown"});
+    visit(Field{"sigmas", &O::sigmas, "",
+                "standard deviations of the numbers, with commas between, of angles in their unit; every form then "
+                "has its own"});
+    visit(Field{"correlations", &O::correlations, "",
+                "of the numbers, with commas between: of the first with the second, the third ..., then of the second "
+                "with the third ...; nothing: 0"});
   }
 };
 
-/// The same rotation in every form. Errors: numbers; a matrix that is none of a rotation, even roughly.
+/// The same rotation in every form, with standard deviations and correlations where those of the numbers are given; a
+/// form at a singular attitude has none. Errors: numbers; a matrix that is none of a rotation, even roughly; standard
+/// deviations and correlations that are no covariance.
 [[nodiscard]] Result<RotationReport> convert_rotation(const std::string& numbers,
                                                       const ConvertRotationOptions& options);
 

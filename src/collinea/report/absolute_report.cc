@@ -22,10 +22,8 @@ TextTable residuals_table(const AbsoluteReport& report) {
   const int axes = report.is_plane ? 2 : 3;
   table.columns = {{"point", ""}};
   for (int axis = 0; axis < axes; ++axis) table.columns.push_back({fmt::format("d{}", kAxes[axis]), "m"});
-  if (report.is_rigorous) {
-    for (const char* what : {"w_", "r_"})
-      for (int axis = 0; axis < axes; ++axis) table.columns.push_back({fmt::format("{}{}", what, kAxes[axis]), ""});
-  }
+  for (const char* what : {"w_", "r_"})
+    for (int axis = 0; axis < axes; ++axis) table.columns.push_back({fmt::format("{}{}", what, kAxes[axis]), ""});
   table.columns.push_back({"role", ""});
   for (const AbsoluteReport::Point& point : report.points) {
     std::vector<std::string> row{point.name};
@@ -35,10 +33,8 @@ TextTable residuals_table(const AbsoluteReport& report) {
         row.push_back(wanted && is_known(report, point, axis) ? decimal_text(values[axis], decimals) : "-");
     };
     add(point.misfit, 4, true);
-    if (report.is_rigorous) {
-      add(point.w, 2, true);
-      add(point.redundancy, 2, is_used);
-    }
+    add(point.w, 2, is_used || !report.is_plane);
+    add(point.redundancy, 2, is_used);
     row.push_back(point.is_check ? "check" : point.is_rejected ? "rejected" : "control");
     table.rows.push_back(std::move(row));
   }
@@ -50,13 +46,11 @@ TextTable ground_table(const AbsoluteReport& report) {
   const int axes = report.is_plane ? 2 : 3;
   table.columns = {{"point", ""}};
   for (int axis = 0; axis < axes; ++axis) table.columns.push_back({kAxes[axis], "m"});
-  if (report.is_rigorous)
-    for (int axis = 0; axis < axes; ++axis) table.columns.push_back({fmt::format("sigma_{}", kAxes[axis]), "m"});
+  for (int axis = 0; axis < axes; ++axis) table.columns.push_back({fmt::format("sigma_{}", kAxes[axis]), "m"});
   for (const AbsoluteReport::Ground& point : report.ground) {
     std::vector<std::string> row{point.name};
     for (int axis = 0; axis < axes; ++axis) row.push_back(decimal_text(point.position[axis], 5));
-    if (report.is_rigorous)
-      for (int axis = 0; axis < axes; ++axis) row.push_back(sigma_text(point.sigma[axis]));
+    for (int axis = 0; axis < axes; ++axis) row.push_back(sigma_text(point.sigma[axis]));
     table.rows.push_back(std::move(row));
   }
   return table;
@@ -89,8 +83,9 @@ std::string suspect_text(const AbsoluteReport& report) {
 std::string method_text(const AbsoluteReport& report) {
   if (report.is_plane) return "plane similarity, 4 parameters: X = X0 + scale R(angle) U";
   if (!report.closed_form.empty())
-    return fmt::format("absolute orientation, method {}: all points of equal weight, no standard deviations",
-                       report.closed_form);
+    return fmt::format(
+        "absolute orientation, method {}: all points of equal weight, standard deviations by propagation",
+        report.closed_form);
   return fmt::format("absolute orientation by least squares, 7 parameters, {} iterations", report.iterations);
 }
 
@@ -125,14 +120,14 @@ std::string rms_text(const AbsoluteReport& report, const char* what, const Passe
 
 std::string absolute_text(const AbsoluteReport& report) {
   std::string text = method_text(report) + "\n" + control_text(report);
-  if (report.is_rigorous) text += variance_text(report.variance);
+  text += variance_text(report.variance);
   text += estimates_text(report.parameters);
   if (!report.inverse_parameters.empty()) text += "inverse:\n" + estimates_text(report.inverse_parameters);
   if (report.covariance.size()) text += correlations_text(report.parameters, report.covariance);
   text += "differences, given minus computed:\n" + indented_rows(residuals_table(report));
   text += rms_text(report, "control points", [](const auto& p) { return !p.is_check && !p.is_rejected; });
   text += rms_text(report, "check points", [](const auto& p) { return p.is_check; });
-  if (report.is_rigorous) text += suspect_text(report);
+  text += suspect_text(report);
   for (const AbsoluteReport::Point& point : report.points)
     if (point.is_rejected)
       text += fmt::format("point {} contradicts the others and takes no part: it is off by {}\n", point.name,

@@ -25,8 +25,7 @@ struct AbsoluteReport {
   };
   std::string closed_form;  ///< the word of a closed form; empty: least squares
   int iterations = 0;
-  bool is_plane = false;     ///< X and Y alone
-  bool is_rigorous = false;  ///< least squares: with standard deviations and tests
+  bool is_plane = false;  ///< X and Y alone
   std::vector<Estimate> parameters;
   Eigen::MatrixXd covariance;  ///< of them; empty without
   std::vector<Estimate> inverse_parameters;

@@ -129,6 +129,44 @@ TextTable rays_table(const ResectionReport& report) {
   return table;
 }
 
+// K, R, t, centre and optical axis, element by element.
+std::vector<Estimate> matrix_estimates(const ResectionReport::MatrixParts& parts, const std::string& unit) {
+  std::vector<Estimate> out;
+  const auto add_matrix = [&](const char* name, const Eigen::Matrix3d& values, const Eigen::Matrix3d& sigmas,
+                              const std::string& of) {
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column)
+        out.push_back({fmt::format("{}_{}{}", name, row + 1, column + 1), row < 2 ? of : "", values(row, column),
+                       sigmas(row, column)});
+  };
+  const auto add_vector = [&](const char* name, const Eigen::Vector3d& values, const Eigen::Vector3d& sigmas,
+                              const char* of) {
+    for (int k = 0; k < 3; ++k) out.push_back({fmt::format("{}_{}", name, k + 1), of, values[k], sigmas[k]});
+  };
+  add_matrix("K", parts.calibration, parts.sigma_calibration, unit);
+  add_matrix("R", parts.rotation, parts.sigma_rotation, "");
+  add_vector("t", parts.translation, parts.sigma_translation, "m");
+  add_vector("C", parts.centre, parts.sigma_centre, "m");
+  add_vector("axis", parts.axis, parts.sigma_axis, "");
+  return out;
+}
+
+void add_image_tables(const ResectionReport::Image& image, const std::string& unit, std::vector<NamedTable>& tables) {
+  if (image.joint_covariance.size()) {
+    std::vector<Estimate> all = image.exterior;
+    all.insert(all.end(), image.interior.begin(), image.interior.end());
+    tables.push_back({"correlations.txt", correlations_table(all, image.joint_covariance)});
+  } else if (image.covariance.size()) {
+    tables.push_back({"correlations.txt", correlations_table(image.exterior, image.covariance)});
+  }
+  if (!image.interior.empty()) tables.push_back({"interior.txt", estimates_table(image.interior)});
+  if (!image.elements.empty()) {
+    tables.push_back({"elements.txt", estimates_table(image.elements)});
+    tables.push_back({"element_correlations.txt", correlations_table(image.elements, image.element_covariance)});
+  }
+  if (image.parts) tables.push_back({"matrix.txt", estimates_table(matrix_estimates(*image.parts, unit))});
+}
+
 std::string image_text(const ResectionReport& report, const ResectionReport::Image& image) {
   std::string text = fmt::format("{}{}, {}:\n", report.is_station() ? "" : "image ", image.name,
                                  counted_text(image.points, report.is_station() ? "direction" : "point"));
@@ -163,6 +201,8 @@ std::string method_text(const ResectionReport& report) {
       return fmt::format("space resection by collinearity, {}{}, {} iterations",
                          counted_text(report.images.size(), "image"), report.images.size() == 1 ? "" : " at once",
                          report.iterations);
+    case ResectionReport::Kind::kLinear:
+      return "pose of a known camera by linear equations, all points of equal weight, without iterations";
     case ResectionReport::Kind::kDlt:
       return fmt::format("direct linear transformation, 11 parameters, {} iterations", report.iterations);
     case ResectionReport::Kind::kPlane:
@@ -205,8 +245,7 @@ std::string resection_text(const ResectionReport& report) {
 std::vector<NamedTable> resection_tables(const ResectionReport& report) {
   std::vector<NamedTable> tables{{"orientation.txt", orientation_table(report)},
                                  {"residuals.txt", marks_table(report)}};
-  if (report.images.size() == 1 && report.images[0].covariance.size())
-    tables.push_back({"correlations.txt", correlations_table(report.images[0].exterior, report.images[0].covariance)});
+  if (report.images.size() == 1) add_image_tables(report.images[0], report.unit, tables);
   if (!report.tie_points.empty()) tables.push_back({"points.txt", points_table(report)});
   if (TextTable rays = rays_table(report); !rays.rows.empty()) tables.push_back({"rays.txt", std::move(rays)});
   return tables;

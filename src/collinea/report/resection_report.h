@@ -13,15 +13,16 @@ namespace collinea {
 
 /// A resection of one image or more, or of a station in the plane, and what its points say of it.
 struct ResectionReport {
-  enum class Kind { kCollinearity, kDlt, kPlane, kStation };
+  enum class Kind { kCollinearity, kLinear, kDlt, kPlane, kStation };
   /// A projection matrix taken apart, (x, y, 1) ~ K (R X + t) with R of omega, phi and kappa in the axes of the table:
   /// of pixels x right, y down, z forward; of photographs x right, y up, z backwards with K(0,0), K(1,1) = -c.
   struct MatrixParts {
     Eigen::Matrix3d calibration, rotation;
-    Eigen::Vector3d translation;  ///< [m]
-    Eigen::Vector3d centre;       ///< M (C, 1) = 0
-    Eigen::Vector3d axis;         ///< ray of the principal point, of unit length
-    Eigen::Vector3d sigma_axis;   ///< of its components
+    Eigen::Vector3d translation;                        ///< [m]
+    Eigen::Vector3d centre;                             ///< M (C, 1) = 0
+    Eigen::Vector3d axis;                               ///< ray of the principal point, of unit length
+    Eigen::Matrix3d sigma_calibration, sigma_rotation;  ///< of the elements; 0 of those that are fixed
+    Eigen::Vector3d sigma_translation, sigma_centre, sigma_axis;
   };
   struct Image {
     std::string name;
@@ -29,7 +30,9 @@ struct ResectionReport {
     std::vector<Estimate> exterior;                ///< X, Y, Z, omega, phi, kappa; of a station X, Y, orientation
     Eigen::MatrixXd covariance;                    ///< of it, in its units; empty without
     std::vector<Estimate> interior;                ///< by the direct linear transformation
+    Eigen::MatrixXd joint_covariance;              ///< of exterior and interior together; empty without interior
     std::vector<Estimate> elements;                ///< its parameters
+    Eigen::MatrixXd element_covariance;            ///< of them
     std::optional<MatrixParts> parts;              ///< by the direct linear transformation in space
     std::vector<std::vector<Estimate>> solutions;  ///< all poses of three points
     std::optional<PoseConditioning> conditioning;
@@ -60,7 +63,8 @@ struct ResectionReport {
 };
 
 [[nodiscard]] std::string resection_text(const ResectionReport& report);
-/// orientation, correlations (of one image), residuals, points; of a matrix rays.
+/// orientation, residuals; of one image correlations; tie points; of a matrix its elements and their correlations, the
+/// interior orientation, the matrix taken apart, rays.
 [[nodiscard]] std::vector<NamedTable> resection_tables(const ResectionReport& report);
 
 }  // namespace collinea

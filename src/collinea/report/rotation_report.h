@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,10 +15,12 @@ struct RotationReport {
     std::string name;
     std::vector<std::pair<std::string, double>> values;  ///< empty: this form has none
     bool is_singular = false;                            ///< one angle is free and was set to zero
+    Eigen::MatrixXd covariance = {};                     ///< in the units of the values; empty: none
   };
   Eigen::Matrix3d matrix;
-  double given_error = 0;  ///< of the matrix as given, from orthonormal
-  std::string unit;        ///< of angles
+  std::optional<Eigen::Matrix3d> sigma_matrix = {};  ///< of its elements
+  double given_error = 0;                            ///< of the matrix as given, from orthonormal
+  std::string unit;                                  ///< of angles
   std::vector<Form> forms;
 };
 

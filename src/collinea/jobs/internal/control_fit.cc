@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/jobs/internal/control_fit.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 
@@ -10,10 +12,8 @@ namespace {
 using Eigen::Vector3d;
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-std::vector<Estimate> estimates_of(const AbsoluteParameters& p, double factor, bool with_sigmas) {
-  const auto sigma = [&](int i, double unit) {
-    return with_sigmas ? std::optional(factor * unit * std::sqrt(p.covariance(i, i))) : std::nullopt;
-  };
+std::vector<Estimate> estimates_of(const AbsoluteParameters& p, double factor) {
+  const auto sigma = [&](int i, double unit) { return factor * unit * std::sqrt(p.covariance(i, i)); };
   return {{"X0", "m", p.origin_on_ground.x(), sigma(0, 1)},
           {"Y0", "m", p.origin_on_ground.y(), sigma(1, 1)},
           {"Z0", "m", p.origin_on_ground.z(), sigma(2, 1)},
@@ -41,14 +41,25 @@ std::vector<AbsoluteControl> ControlFit::used_pairs() const {
 Result<AbsoluteOrientation> fitted(const ControlFit& control) {
   const std::vector<std::size_t> used = control.used();
   const std::vector<AbsoluteControl> pairs = control.used_pairs();
-  if (!control.model_covariance) return absolute_orientation(pairs);
-  const auto size = static_cast<Eigen::Index>(3 * used.size());
-  Eigen::MatrixXd part(size, size);
-  for (std::size_t a = 0; a < used.size(); ++a)
-    for (std::size_t b = 0; b < used.size(); ++b)
-      part.block<3, 3>(Eigen::Index(3 * a), Eigen::Index(3 * b)) =
-          control.model_covariance->block<3, 3>(Eigen::Index(3 * used[a]), Eigen::Index(3 * used[b]));
-  return absolute_orientation(pairs, {.start = {}, .model_covariance = &part});
+  Eigen::MatrixXd part;
+  if (control.model_covariance) {
+    const auto size = static_cast<Eigen::Index>(3 * used.size());
+    part.resize(size, size);
+    for (std::size_t a = 0; a < used.size(); ++a)
+      for (std::size_t b = 0; b < used.size(); ++b)
+        part.block<3, 3>(Eigen::Index(3 * a), Eigen::Index(3 * b)) =
+            control.model_covariance->block<3, 3>(Eigen::Index(3 * used[a]), Eigen::Index(3 * used[b]));
+  }
+  const Eigen::MatrixXd* const covariance = control.model_covariance ? &part : nullptr;
+  if (!control.closed_form) return absolute_orientation(pairs, {.start = {}, .model_covariance = covariance});
+  const auto found = closed_orientation(pairs, *control.closed_form, covariance);
+  if (!found)
+    return fail(Errc::kIllPosed,
+                fmt::format("a closed form needs three full points that do not lie on a line, with sigmas above 0 on "
+                            "one side; there are {} full ones",
+                            pairs.size()),
+                {"method"_option});
+  return *found;
 }
 
 Result<AbsoluteOrientation> fitted_with_rejection(ControlFit& control, bool reject, double alpha) {
@@ -73,27 +84,26 @@ Result<AbsoluteOrientation> fitted_with_rejection(ControlFit& control, bool reje
   }
 }
 
-AbsoluteReport control_report(const ControlFit& control, const AbsoluteOrientation& found, const VarianceTest& variance,
-                              bool is_rigorous) {
+AbsoluteReport control_report(const ControlFit& control, const AbsoluteOrientation& found,
+                              const VarianceTest& variance) {
   AbsoluteReport report;
-  report.is_rigorous = is_rigorous;
   report.variance = variance;
   report.solutions = found.solutions;
   const double factor = variance.factor();
   const AbsoluteParameters parameters = parameters_of(found);
-  report.parameters = estimates_of(parameters, factor, is_rigorous);
-  if (is_rigorous) report.covariance = parameters.covariance;
+  report.parameters = estimates_of(parameters, factor);
+  report.covariance = parameters.covariance;
   std::size_t next = 0;
   for (std::size_t k = 0; k < control.pairs.size(); ++k) {
     const AbsoluteControl& pair = control.pairs[k];
     AbsoluteReport::Point point{control.names[k], Vector3d::Zero(),    Vector3d::Zero(),
                                 Vector3d::Zero(), Vector3d::Zero(),    pair.has_plan,
                                 pair.has_height,  control.is_check[k], control.is_rejected[k]};
-    if (point.is_check || point.is_rejected || !is_rigorous) {
+    if (point.is_check || point.is_rejected) {
       const GroundPoint at = on_ground(found, pair.in_model, pair.model_covariance);
       point.misfit = pair.in_ground - at.position;
       point.sigma = factor * (at.covariance + pair.ground_covariance).diagonal().cwiseSqrt();
-      if (is_rigorous) point.w = point.misfit.cwiseQuotient(point.sigma);
+      point.w = point.misfit.cwiseQuotient(point.sigma);
     } else {
       const ControlResidual& residual = found.residuals[next++];
       point.misfit = residual.misfit;

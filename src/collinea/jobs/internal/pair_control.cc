@@ -129,7 +129,7 @@ Result<AbsoluteReport> pair_control_report(const PairControl& control, const Mod
   turned.ground_from_model.rotation = (found.ground_from_model.rotation * half_turn).normalized();
   turned.centroid_in_model = turn * found.centroid_in_model;
   AbsoluteReport report =
-      control_report(fit, turned, {found.sigma0, found.redundancy, fit.sigmas_are_stated, alpha}, true);
+      control_report(fit, turned, {found.sigma0, found.redundancy, fit.sigmas_are_stated, alpha});
   report.iterations = found.iterations;
   for (std::size_t i = 0; i < fit.pairs.size(); ++i) {
     const GroundPoint at = on_ground(turned, fit.pairs[i].in_model, fit.pairs[i].model_covariance);

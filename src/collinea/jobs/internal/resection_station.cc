@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/jobs/internal/resection_station.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "collinea/geometry/planar_resection.h"
+#include "collinea/jobs/internal/pose_estimates.h"
+
+namespace collinea {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+namespace {
+
+struct Directions {
+  std::vector<PlanarDirection> directions;
+  std::vector<std::size_t> rows;  // of the table
+};
+
+Directions directions_of(const ResectionTables& tables) {
+  Directions out;
+  for (std::size_t i = 0; i < tables.marks.size(); ++i) {
+    const ResectionRow& mark = tables.marks[i];
+    const GroundTablePoint* known = tables.ground.find(mark.point);
+    if (mark.is_rejected || !known || !known->position.head<2>().allFinite()) continue;
+    out.directions.push_back({known->position.head<2>(), mark.xy.x(), mark.sigma});
+    out.rows.push_back(i);
+  }
+  return out;
+}
+
+Result<> leave_out_by_median(ResectionTables& tables, std::uint64_t seed) {
+  const Directions all = directions_of(tables);
+  const auto wrong = contradicting_directions(all.directions, seed);
+  if (!wrong)
+    return fail(Errc::kIllPosed,
+                "the least median of squares needs five directions, of which those that agree determine the station",
+                {"least_median"_option});
+  for (const std::size_t k : *wrong) tables.marks[all.rows[k]].is_rejected = true;
+  return {};
+}
+
+// Least squares, and again without the worst as long as its test is beyond the limit and enough is left to check it.
+std::optional<PlanarResection> fitted(ResectionTables& tables, const ResectOneOptions& options) {
+  while (true) {
+    const Directions all = directions_of(tables);
+    auto found = planar_resection(all.directions);
+    if (!found || !options.reject || found->redundancy <= 1) return found;
+    const VarianceTest variance{found->sigma0, found->redundancy, tables.sigmas_are_stated, options.alpha};
+    const auto worst = std::max_element(found->w.begin(), found->w.end(),
+                                        [](double a, double b) { return std::abs(a) < std::abs(b); });
+    if (!(std::abs(*worst) / variance.factor() > variance.limit())) return found;
+    ResectionRow& mark = tables.marks[all.rows[static_cast<std::size_t>(worst - found->w.begin())]];
+    mark.is_rejected = true;
+    if (!planar_resection(directions_of(tables).directions)) {
+      mark.is_rejected = false;
+      return found;
+    }
+  }
+}
+
+constexpr double kMgon = 200e3 / std::numbers::pi;
+
+void add_marks(const ResectionTables& tables, const PlanarResection& found, ResectionReport& report) {
+  const Directions all = directions_of(tables);
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < tables.marks.size(); ++i) {
+    const ResectionRow& mark = tables.marks[i];
+    if (next < all.rows.size() && all.rows[next] == i) {
+      report.marks.push_back({mark.image, mark.point, Vector2d(kMgon * found.misfits_rad[next], 0),
+                              Vector2d(found.redundancies[next], 0),
+                              Vector2d(found.w[next] / report.variance.factor(), 0)});
+      ++next;
+    } else if (mark.is_rejected) {
+      const Vector2d to = tables.ground.find(mark.point)->position.head<2>() - found.station;
+      const double off =
+          std::remainder(mark.xy.x() - std::atan2(to.x(), to.y()) + found.orientation_rad, 2 * std::numbers::pi);
+      report.marks.push_back(
+          {mark.image, mark.point, Vector2d(kMgon * off, 0), Vector2d::Zero(), Vector2d::Zero(), true});
+    }
+  }
+}
+
+}  // namespace
+
+Result<ResectionReport> of_station(ResectionTables& tables, const ResectOneOptions& options) {
+  if (tables.images.size() > 1)
+    return fail(Errc::kBadInput, fmt::format("the table has {} stations: give one", tables.images.size()));
+  if (options.least_median) COLLINEA_TRY(leave_out_by_median(tables, options.seed));
+  const auto found = fitted(tables, options);
+  const std::size_t count = directions_of(tables).directions.size();
+  if (!found)
+    return fail(Errc::kIllPosed,
+                fmt::format("{} directions do not determine the station: three to points apart are needed, and it must "
+                            "not lie on the circle through them",
+                            count));
+  ResectionReport report;
+  report.unit = "mgon";
+  report.variance = {found->sigma0, found->redundancy, tables.sigmas_are_stated, options.alpha};
+  report.kind = ResectionReport::Kind::kStation;
+  const double factor = report.variance.factor();
+  ResectionReport::Image image{tables.images[0], count};
+  Matrix3d by = Matrix3d::Identity();
+  by(2, 2) = kDegrees;
+  image.covariance = factor * factor * by * found->covariance * by;
+  image.exterior = {{"X", "m", found->station.x()},
+                    {"Y", "m", found->station.y()},
+                    {"orientation", "deg", found->orientation_rad * kDegrees}};
+  add_sigmas(image.exterior, image.covariance);
+  image.danger = DangerCylinder{found->danger_radius, 0, found->danger_off};
+  report.images.push_back(std::move(image));
+  add_marks(tables, *found, report);
+  return report;
+}
+
+}  // namespace collinea
