@@ -4,20 +4,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <set>
 #include <tuple>
 
 #include "collinea/base/file.h"
 #include "collinea/base/hash.h"
 #include "collinea/base/units.h"
-#include "collinea/geodesy/heights.h"
-#include "collinea/geodesy/local_frame.h"
+#include "collinea/import/internal/import_camera.h"
 #include "collinea/import/internal/import_control.h"
 #include "collinea/import/internal/import_film.h"
+#include "collinea/import/internal/import_location.h"
 #include "collinea/import/internal/import_positions.h"
 #include "collinea/import/reason.h"
 #include "collinea/raster/image_file.h"
@@ -27,9 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kAssumedFocal = 1.2;       // times the longer side: a plain wide-angle lens
-constexpr double kAssumedFocalSigma = 0.3;  // relative
-constexpr double kFullFrameDiagonal_mm = 43.2666;
 constexpr int kSmallest_px = 64;  // width and height of an image of use
 
 struct ImageFile {
@@ -78,155 +73,6 @@ Listing files_below(const fs::path& folder) {
   }
   std::sort(listing.files.begin(), listing.files.end());
   return listing;
-}
-
-// The distortion that follows fx, fy, cx, cy.
-std::vector<int> given_distortion(CameraModel model) {
-  std::vector<int> distortion;
-  for (const int param : params_of(model))
-    if (Camera::kParamUnits[std::size_t(param)] == "1") distortion.push_back(param);
-  return distortion;
-}
-
-Result<std::vector<double>> numbers_in(const std::string& text, CameraModel model) {
-  std::vector<double> numbers;
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  while (at < end) {
-    double value = 0;
-    const auto [next, error] = std::from_chars(at, end, value);
-    if (error != std::errc() || (next < end && *next != ','))
-      return fail(Errc::kBadInput, "\"" + text + "\" is no camera: expected numbers separated by commas",
-                  {"camera_params"_option});
-    numbers.push_back(value);
-    at = next + (next < end ? 1 : 0);
-  }
-  if (const std::size_t most = 4 + given_distortion(model).size(); numbers.size() < 4 || numbers.size() > most)
-    return fail(Errc::kBadInput,
-                fmt::format("\"{}\" is no camera: expected fx,fy,cx,cy and up to {} distortion values", text,
-                            most == 9 ? "five" : "four"),
-                {"camera_params"_option});
-  if (!std::all_of(numbers.begin(), numbers.end(), [](double value) { return std::isfinite(value); }))
-    return fail(Errc::kBadInput, "\"" + text + "\" is no camera: every value must be a finite number",
-                {"camera_params"_option});
-  if (!(numbers[0] > 0 && numbers[1] > 0))
-    return fail(Errc::kBadInput, "\"" + text + "\" is no camera: fx and fy must be positive", {"camera_params"_option});
-  return numbers;
-}
-
-// One camera fits images of one size: focal length and principal point are in its pixels.
-Result<> check_given_camera(const std::vector<double>& v, const Block& block) {
-  const Image* first = nullptr;
-  for (const auto& [id, image] : block.images) {
-    const Camera& camera = block.camera_of(id);
-    if (!first) {
-      first = &image;
-      if (!inside(camera, {v[2], v[3]}))
-        return fail(Errc::kBadInput,
-                    fmt::format("the principal point {}, {} of the given camera lies outside the images ({} x {} px)",
-                                v[2], v[3], camera.width_px, camera.height_px),
-                    {"camera_params"_option});
-    }
-    const Camera& of_first = block.cameras.at(first->camera);
-    if (camera.width_px != of_first.width_px || camera.height_px != of_first.height_px)
-      return fail(Errc::kBadInput,
-                  fmt::format("one camera is given, but the images differ in size: {} has {} x {} px, "
-                              "{} has {} x {} px; keep those of one size in a folder of their own",
-                              first->file, of_first.width_px, of_first.height_px, image.file, camera.width_px,
-                              camera.height_px),
-                  {"camera_params"_option});
-  }
-  return {};
-}
-
-Camera given_camera(CameraModel model, const std::vector<double>& v, int width_px, int height_px) {
-  Camera camera = ideal_camera(v[1], width_px, height_px);
-  camera.model = model;
-  camera.params[Camera::kB1] = v[0] - v[1];
-  camera.params[Camera::kCx] = v[2];
-  camera.params[Camera::kCy] = v[3];
-  const std::vector<int> distortion = given_distortion(model);
-  for (std::size_t i = 4; i < v.size(); ++i) camera.params[std::size_t(distortion[i - 4])] = v[i];
-  camera.prior.calibrate = false;
-  camera.prior.source = Provenance::kGiven;
-  return camera;
-}
-
-// The shortest focal length that can be true, and the one assumed where none is stated [times the longer side]. A
-// fisheye is taken for one that fills the image with 180 degrees from corner to corner; one that sees 220 degrees
-// along the shorter of 16:9 sides has an eighth of the longer side.
-struct UsualFocal {
-  double shortest, assumed;
-};
-
-double focal_per_diagonal(const CameraModel& fisheye) {
-  return std::visit(
-      []<class Model>(const Model&) {
-        if constexpr (Model::kIsFisheye) return Model::kFocalPerDiagonal;
-        return std::nan("");
-      },
-      fisheye);
-}
-
-UsualFocal usual_focal(CameraModel model, double diagonal_px, double longer_px) {
-  if (!is_fisheye(model)) return {0.2, kAssumedFocal};
-  const double per_diagonal = focal_per_diagonal(model);
-  return {0.12, per_diagonal * diagonal_px / longer_px};
-}
-
-Camera camera_from_header(const ImageHeader& header, CameraModel model) {
-  const double diagonal_px = std::hypot(header.width_px, header.height_px);
-  double focal_px = 0, relative_sigma = kExifFocalSigma;
-  Provenance source = Provenance::kUnknown;
-  if (header.focal_mm && header.pixel_pitch_mm && *header.focal_mm > 0) {
-    focal_px = *header.focal_mm / *header.pixel_pitch_mm;
-    source = Provenance::kExifPixelPitch;
-  }
-  // An image resampled after it was taken keeps its old pixel pitch: then the two sources disagree and the equivalent
-  // wins.
-  if (header.focal_35mm_mm && *header.focal_35mm_mm > 0) {
-    const double equivalent_px = *header.focal_35mm_mm * diagonal_px / kFullFrameDiagonal_mm;
-    if (focal_px == 0 || std::abs(focal_px / equivalent_px - 1) > 0.15) {
-      focal_px = equivalent_px;
-      source = Provenance::kExif35mm;
-    }
-  }
-  const double longer_px = std::max(header.width_px, header.height_px);
-  const UsualFocal usual = usual_focal(model, diagonal_px, longer_px);
-  if (!(focal_px > usual.shortest * longer_px && focal_px < 50 * longer_px)) {
-    focal_px = usual.assumed * longer_px;
-    relative_sigma = kAssumedFocalSigma;
-    source = Provenance::kAssumed;
-  }
-  Camera camera = ideal_camera(focal_px, header.width_px, header.height_px);
-  camera.model = model;
-  camera.prior.sigma_f_px = relative_sigma * focal_px;
-  camera.prior.source = source;
-  return camera;
-}
-
-bool states_focal(const ImageHeader& header) {
-  return (header.focal_mm && header.pixel_pitch_mm) || header.focal_35mm_mm;
-}
-
-std::string small(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
-// Many makers begin the name of the model with their own: "Canon", "Canon EOS 5D"; "NIKON CORPORATION", "NIKON D80".
-bool names_maker(const std::string& model, const std::string& maker) {
-  const std::string first = small(maker.substr(0, maker.find(' '))), start = small(model);
-  return !first.empty() && start.starts_with(first) && (start.size() == first.size() || start[first.size()] == ' ');
-}
-
-std::string camera_name(const ImageHeader& header) {
-  std::string name = names_maker(header.model, header.maker) ? "" : header.maker;
-  if (!header.model.empty()) name += (name.empty() ? "" : " ") + header.model;
-  if (name.empty()) name = "unknown camera";
-  if (header.focal_mm) name += fmt::format(" {:.3g} mm", *header.focal_mm);
-  if (!header.serial.empty()) name += " #" + header.serial;
-  return name;
 }
 
 std::optional<PositionPrior> position_prior(const ImageHeader& header, const ImportOptions& options) {
@@ -387,125 +233,6 @@ std::vector<std::string> names_in(const std::string& list) {
   return names;
 }
 
-// The middle of the block: where the world frame gets its origin, rounded so that it reads well.
-Eigen::Vector3d middle_of(const Block& block) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  int count = 0, heights = 0;
-  double first_longitude_deg = 0;
-  for (const auto& [id, image] : block.images)
-    if (const auto& position = image.position) {
-      if (count++ == 0) first_longitude_deg = position->longitude_deg;
-      // From the first one the short way round: the date line may run through the block.
-      const double from_first_deg = std::remainder(position->longitude_deg - first_longitude_deg, 360);
-      sum.head<2>() += Eigen::Vector2d(position->latitude_deg, from_first_deg);
-      if (!std::isfinite(position->sigma_m.z())) continue;
-      sum.z() += position->height_m;
-      ++heights;
-    }
-  return {sum.x() / std::max(1, count), std::remainder(first_longitude_deg + sum.y() / std::max(1, count), 360),
-          sum.z() / std::max(1, heights)};
-}
-
-// Where the map's heights are stated beside its CRS, and those of control beside both.
-struct Systems {
-  std::string map, control;
-};
-
-Result<Systems> systems_of(const ImportOptions& options, const std::string& map, const std::string& control) {
-  Systems systems{map, control};
-  if (options.heights) {
-    COLLINEA_TRY(systems.map, with_heights(map, *options.heights).map_error([](Error error) {
-      return std::move(error).about("heights"_option);
-    }));
-  }
-  if (options.control_heights) {
-    COLLINEA_TRY(systems.control,
-                 with_heights(control.empty() ? map : control, *options.control_heights).map_error([](Error error) {
-                   return std::move(error).about("control_heights"_option);
-                 }));
-  } else if (options.heights && !control.empty()) {
-    COLLINEA_TRY(const bool is_stated, states_heights(control));
-    if (!is_stated) {
-      COLLINEA_TRY(systems.control, with_heights(control, *options.heights));
-    }
-  }
-  return systems;
-}
-
-bool has_positions(const Block& block) {
-  return std::any_of(block.images.begin(), block.images.end(),
-                     [](const auto& entry) { return entry.second.position.has_value(); });
-}
-
-// How high what the images count their heights from lies over the ellipsoid, for all of the block. Not for
-// positions of a file, which says itself what its heights are.
-Result<> raise_positions(Imported& imported, const std::set<ImageId>& of_file, const ImportOptions& options) {
-  if (options.gps_heights.word() == HeightSurface::kEllipsoid || !has_positions(imported.block)) return {};
-  const Eigen::Vector3d middle = middle_of(imported.block);
-  const auto framed = [](Error error) { return std::move(error).about("gps_heights"_option); };
-  COLLINEA_TRY(const std::string crs,
-               with_heights(utm_crs(middle.x(), middle.y()), options.gps_heights).map_error(framed));
-  COLLINEA_TRY(const LocalFrame frame, LocalFrame::create(crs, middle.x(), middle.y(), 0).map_error(framed));
-  double least = std::numeric_limits<double>::infinity(), most = -least;
-  for (auto& [id, image] : imported.block.images) {
-    if (!image.position || of_file.contains(id)) continue;
-    const double raised_m = -frame
-                                 .map_from_local(frame.local_from_geographic(
-                                     {image.position->latitude_deg, image.position->longitude_deg, 0}))
-                                 .z();
-    if (!std::isfinite(raised_m))
-      return fail(Errc::kBadInput,
-                  "the geoid grid of the heights in the photographs does not reach the position of " + image.file,
-                  {"gps_heights"_option});
-    image.position->height_m += raised_m;
-    least = std::min(least, raised_m);
-    most = std::max(most, raised_m);
-  }
-  if (least > most) return {};
-  const std::string heights = frame.crs_name().substr(frame.crs_name().find(" + ") + 3);
-  imported.findings.push_back(finding_of(FindingCode::kHeightsCountFrom, {Subject::crs(heights)},
-                                         {{FigureName::kLowest, least}, {FigureName::kHighest, most}}));
-  return {};
-}
-
-Result<> location_on_earth(Imported& imported, const ImportOptions& options, ControlFile control) {
-  Block& block = imported.block;
-  const bool has_gps = has_positions(block);
-  std::string crs = options.crs.value_or(control.crs);
-  if (options.crs)
-    if (const auto known = check_crs(crs); !known)
-      return tl::unexpected(Error(known.error()).within("CRS \"" + crs + "\"").about("crs"_option));
-  Eigen::Vector3d origin = middle_of(block);
-  if (has_gps && crs.empty()) crs = utm_crs(origin.x(), origin.y());
-  if (!has_gps) {
-    if (!is_surveyed(control)) return add_control(imported, control, nullptr);
-    if (crs.empty())
-      return fail(Errc::kBadInput, "the control file names no CRS and the photographs have no GPS: give one, EPSG:code",
-                  {"crs"_option});
-  }
-  COLLINEA_TRY(const Systems systems, systems_of(options, crs, control.crs));
-  crs = systems.map;
-  control.crs = systems.control;
-  if (!has_gps) {
-    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-    for (const ControlFilePoint& point : control.points)
-      middle += point.position_in_map / double(control.points.size());
-    COLLINEA_TRY(origin, geographic_from_map(control.crs.empty() ? crs : control.crs, middle));
-  }
-  origin = {std::round(origin.x() * 1e5) / 1e5, std::round(origin.y() * 1e5) / 1e5, std::round(origin.z())};
-  COLLINEA_TRY(const LocalFrame frame,
-               LocalFrame::create(crs, origin.x(), origin.y(), origin.z()).map_error([&](Error error) {
-                 Error framed = std::move(error).within("CRS \"" + crs + "\"");
-                 return options.crs ? std::move(framed).about("crs"_option) : framed;
-               }));
-  block.georeference = Georeference{crs, origin.x(), origin.y(), origin.z()};
-  for (auto& [id, image] : block.images)
-    if (auto& prior = image.position)
-      prior->position_in_world =
-          frame.local_from_geographic({prior->latitude_deg, prior->longitude_deg, prior->height_m});
-  return add_control(imported, control, &frame);
-}
-
 Result<ControlFile> control_of(const ImportOptions& options) {
   if (!options.control && !options.check.empty())
     return fail(Errc::kBadInput, "check points " + options.check + " are named, but there is no control file: give it",
@@ -542,7 +269,7 @@ Result<Imported> import_images(const fs::path& photos, const ImportOptions& opti
   const CameraModel model = options.camera_model;
   std::optional<std::vector<double>> camera_params;
   if (options.camera_params) {
-    COLLINEA_TRY(camera_params, numbers_in(*options.camera_params, model));
+    COLLINEA_TRY(camera_params, camera_numbers(*options.camera_params, model));
   }
   COLLINEA_TRY(const ControlFile control, control_of(options));
   std::error_code unreadable;

@@ -68,19 +68,7 @@ TEST(Pair, TakesAnExteriorOrientationAsGiven) {
   ASSERT_TRUE(report->map);
   EXPECT_EQ(*report->exterior[0].elements[0].sigma, 0.01);
   EXPECT_NEAR(*report->exterior[1].elements[4].sigma, 0.001, 1e-12);
-  const auto dsm = GeoTiffReader::open(folder / "dsm.tif");
-  ASSERT_TRUE(dsm);
-  const MapGrid& grid = dsm->grid();
-  const auto heights = dsm->read_known(0, 0, grid.width, grid.height);
-  ASSERT_TRUE(heights);
-  const Eigen::Vector3d middle = (centre_of(village.pose(0)) + centre_of(village.pose(1))) / 2;
-  std::vector<double> errors;
-  for (int row = 0; row < grid.height; ++row)
-    for (int column = 0; column < grid.width; ++column) {
-      const double x = grid.east_of(column + 0.5), y = grid.north_of(row + 0.5);
-      if (std::hypot(x - middle.x(), y - middle.y()) > 12 || std::isnan(heights->at(column, row))) continue;
-      errors.push_back(heights->at(column, row) - village.scene->surface_height(x, y));
-    }
+  std::vector<double> errors = village.height_errors(folder / "dsm.tif");
   ASSERT_GT(errors.size(), 5000u);
   EXPECT_NEAR(median(errors), 0, 0.01);  // of thousands of cells, as with control
   // What it wrote is taken again, and orients alike.

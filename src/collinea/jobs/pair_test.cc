@@ -269,17 +269,7 @@ TEST(Pair, ControlMakesItAMap) {
   const auto ortho = GeoTiffReader::open(village.folder / "pair/ortho.tif");
   ASSERT_TRUE(dsm && ortho);
   EXPECT_EQ(ortho->channels(), 4);
-  const Eigen::Vector3d middle = (centre_of(village.pose(0)) + centre_of(village.pose(1))) / 2;
-  const MapGrid& grid = dsm->grid();
-  const auto heights = dsm->read_known(0, 0, grid.width, grid.height);
-  ASSERT_TRUE(heights);
-  std::vector<double> errors;
-  for (int row = 0; row < grid.height; ++row)
-    for (int column = 0; column < grid.width; ++column) {
-      const double x = grid.east_of(column + 0.5), y = grid.north_of(row + 0.5);
-      if (std::hypot(x - middle.x(), y - middle.y()) > 12 || std::isnan(heights->at(column, row))) continue;
-      errors.push_back(heights->at(column, row) - village.scene->surface_height(x, y));
-    }
+  std::vector<double> errors = village.height_errors(village.folder / "pair/dsm.tif");
   ASSERT_GT(errors.size(), 5000u);
   EXPECT_NEAR(median(errors), 0, 0.01);  // of thousands of cells
   for (double& error : errors) error = std::abs(error);

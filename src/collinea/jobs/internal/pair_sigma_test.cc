@@ -100,6 +100,19 @@ ModelOfPair model_with(const Flight& flight, const RelativeOrientation& orientat
   return model;
 }
 
+// The exact points of the ground that took no part in the orientation, in epipolar images.
+std::vector<LevelPoint> new_points(const Flight& flight, const EpipolarPair& cameras) {
+  std::vector<LevelPoint> points;
+  for (std::size_t i = kPoints + kControl; i < flight.ground.size(); ++i) {
+    const Eigen::Vector2d left =
+        in_epipolar(flight.images.left_camera, cameras.left_from_image, cameras.left, flight.pixel(0, i));
+    const Eigen::Vector2d right =
+        in_epipolar(flight.images.right_camera, cameras.right_from_image, cameras.right, flight.pixel(1, i));
+    points.push_back({left, left.x() - right.x(), 0, 1, 0});
+  }
+  return points;
+}
+
 // Errors of nine ground points whose image points are exact: all that is wrong comes from the orientations.
 struct Judged {
   double squares = 0;  // mean of error over sigma, of heights
@@ -118,14 +131,7 @@ std::optional<Judged> judged(const Flight& flight, Random& random, bool has_cont
     absolute = *oriented_absolutely(*control, model_with(flight, *orientation, {}, {}), found);
   }
   const EpipolarPair cameras = *epipolar_pair(flight.images.left_camera, {}, flight.images.right_camera, found);
-  std::vector<LevelPoint> points;
-  for (std::size_t i = kPoints + kControl; i < flight.ground.size(); ++i) {
-    const Eigen::Vector2d left =
-        in_epipolar(flight.images.left_camera, cameras.left_from_image, cameras.left, flight.pixel(0, i));
-    const Eigen::Vector2d right =
-        in_epipolar(flight.images.right_camera, cameras.right_from_image, cameras.right, flight.pixel(1, i));
-    points.push_back({left, left.x() - right.x(), 0, 1, 0});
-  }
+  const std::vector<LevelPoint> points = new_points(flight, cameras);
   const auto sigma = PairOrientationSigma::of(model_with(flight, *orientation, cameras, points), control, absolute);
   if (!sigma) return std::nullopt;
   Judged result;
@@ -325,14 +331,7 @@ TEST(PairSigma, OfGivenPosesIsAsLargeAsTheirErrors) {
     Rigid3 motion = given->second_from_first;
     motion.translation *= given->base;
     const EpipolarPair cameras = *epipolar_pair(flight.images.left_camera, {}, flight.images.right_camera, motion);
-    std::vector<LevelPoint> points;
-    for (std::size_t i = kPoints + kControl; i < flight.ground.size(); ++i) {
-      const Eigen::Vector2d left =
-          in_epipolar(flight.images.left_camera, cameras.left_from_image, cameras.left, flight.pixel(0, i));
-      const Eigen::Vector2d right =
-          in_epipolar(flight.images.right_camera, cameras.right_from_image, cameras.right, flight.pixel(1, i));
-      points.push_back({left, left.x() - right.x(), 0, 1, 0});
-    }
+    const std::vector<LevelPoint> points = new_points(flight, cameras);
     const auto sigma = PairOrientationSigma::of(model_with(flight, {}, cameras, points), given->poses);
     ASSERT_TRUE(sigma);
     const Similarity3 ground = given->ground_from_model().ground_from_model;

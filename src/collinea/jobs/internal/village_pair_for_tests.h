@@ -4,12 +4,15 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "collinea/base/test_folder.h"
 #include "collinea/geometry/rotation.h"
+#include "collinea/raster/geotiff.h"
 #include "collinea/synthetic/write.h"
 
 namespace collinea::testing {
@@ -54,6 +57,24 @@ struct VillagePair {
 
   [[nodiscard]] Rigid3 pose(int i) const { return pose_of(truth, std::next(truth.images.begin(), i)->first); }
   [[nodiscard]] Rigid3 right_from_left() const { return pose(1) * inverse(pose(0)); }
+
+  // Heights of a surface model less those of the scene: known cells within 12 m of the middle between the cameras.
+  [[nodiscard]] std::vector<double> height_errors(const std::filesystem::path& dsm) const {
+    const auto raster = GeoTiffReader::open(dsm);
+    if (!raster) return {};
+    const MapGrid& grid = raster->grid();
+    const auto heights = raster->read_known(0, 0, grid.width, grid.height);
+    if (!heights) return {};
+    const Eigen::Vector3d middle = (centre_of(pose(0)) + centre_of(pose(1))) / 2;
+    std::vector<double> errors;
+    for (int row = 0; row < grid.height; ++row)
+      for (int column = 0; column < grid.width; ++column) {
+        const double x = grid.east_of(column + 0.5), y = grid.north_of(row + 0.5);
+        if (std::hypot(x - middle.x(), y - middle.y()) > 12 || std::isnan(heights->at(column, row))) continue;
+        errors.push_back(heights->at(column, row) - scene->surface_height(x, y));
+      }
+    return errors;
+  }
 
   // Points in the air and on the ground that both cameras see, as control with exact measurements.
   [[nodiscard]] std::string control_table() const {
