@@ -2,9 +2,11 @@
 #include "collinea/dense/stereo.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "collinea/dense/internal/disparity_measure.h"
+#include "collinea/dense/internal/foreground_fattening.h"
 #include "collinea/dense/internal/level.h"
 #include "collinea/dense/internal/measured_sigma.h"
 #include "collinea/dense/internal/pair_check.h"
@@ -15,6 +17,16 @@ namespace {
 
 constexpr float kSmoothReachPx = 1;                  // neighbours that differ by more belong to another surface
 constexpr std::size_t kLargestVolume = 400'000'000;  // pixels times labels of a tile, a byte each
+
+// Rims that windows made too wide. What lies behind an edge is often hidden from one image and has no disparity: it
+// counts with what its row has beyond, by which it shows its grey values. `filled`: to work in.
+void empty_rims(const GreyImage& left, const Run& run, FloatImage& filled, DisparityMap& map) {
+  filled = map.disparity;
+  fill_disparities(filled);
+  dense::empty_foreground_fattening(left, kSmoothReachPx, map.sigma, filled, run);
+  for (std::size_t i = 0; i < filled.data.size(); ++i)
+    if (std::isnan(filled.data[i])) map.disparity.data[i] = map.sigma.data[i] = filled.data[i];
+}
 
 }  // namespace
 
@@ -35,6 +47,7 @@ Result<DisparityMap> match_pair(const GreyImage& left, const GreyImage& right, c
   const dense::Acceptance acceptance{dense::kSigmaScale, dense::kSigmaFloorPx, dense::kSmoothSigmaPx,
                                      float(options.min_correlation), float(options.max_sigma_px)};
   DisparityMap map = dense::measure(left, right, surface, disparity, acceptance, run);
+  empty_rims(left, run, disparity, map);
   if (run.stopped()) return fail(Errc::kCancelled, "matching was stopped");
   if (options.fill) fill_disparities(map.disparity);
   return map;

@@ -42,7 +42,8 @@ struct StereoOptions {
 
 /// Both images rectified: what is in row y of one is in row y of the other. Grey value 0 means "nothing there".
 /// Semi-global matching (Hirschmueller 2008) with `options.cost`, in both directions, measured again by correlation.
-/// Memory: a byte for every pixel and disparity, at most 400 MB, and about 40 bytes a pixel. Same bits for any number
+/// Rims of what lies in front that are more like what lies behind are emptied, as in depth maps.
+/// Memory: a byte for every pixel and disparity, at most 400 MB, and about 50 bytes a pixel. Same bits for any number
 /// of threads. Errors: images of different heights, an empty image, a range that is empty, has more than 2000
 /// disparities or lies beyond the images, stopped.
 [[nodiscard]] Result<DisparityMap> match_pair(const GreyImage& left, const GreyImage& right,

@@ -16,11 +16,13 @@ namespace collinea::test {
 struct TestPair {
   int width = 200, height = 120;
   double at_left = 12.3, slope = 0;
-  double square = 0;  // its disparity; 0: none
+  double square = 0;    // its disparity; 0: none
+  double brighter = 0;  // the square than the plane, grey values
   double noise = 0;
 
-  static double grey(double x, double y, bool on_square) {
-    return 125 + (on_square ? 9 : 10) * Scene::wave(0.06 * x + (on_square ? 40 : 0), 0.06 * y);
+  [[nodiscard]] double grey(double x, double y, bool on_square) const {
+    return 125 + (on_square ? brighter : 0) +
+           (on_square ? 9 : 10) * Scene::wave(0.06 * x + (on_square ? 40 : 0), 0.06 * y);
   }
   [[nodiscard]] bool on_square(double x, int y) const { return square > 0 && x >= 80 && x < 130 && y >= 35 && y < 85; }
   [[nodiscard]] double truth(int x, int y) const { return on_square(x, y) ? square : at_left + slope * x; }

@@ -8,6 +8,7 @@
 #include "collinea/base/options.h"
 #include "collinea/dense/depth_map.h"
 #include "collinea/dense/level_matching.h"
+#include "collinea/dense/stereo.h"
 #include "collinea/epipolar/relative_orientation.h"
 #include "collinea/film/scan_marks.h"
 #include "collinea/match/pair_points.h"
@@ -35,9 +36,14 @@ struct PairChainOptions {
   double control_alpha = 0.001;
   bool refine = true;
   PairSurface surface = PairSurface::kLevels;
+  std::optional<StereoCost> cost;
   PairPointOptions points;
   RelativeOptions relative;
   LevelOptions levels;
+
+  [[nodiscard]] StereoOptions stereo() const {
+    return {.cost = cost.value_or(film.calibration ? StereoCost::kRank : StereoCost::kCensus)};
+  }
 
   template <class Visit>
   static void describe(Visit&& visit) {
@@ -82,6 +88,10 @@ struct PairChainOptions {
                 1e-6, 0.5});
     visit(Field{"refine", &O::refine, "", "refine the points by least squares matching, and orient again"});
     visit(Field{"surface", &O::surface, "", "how the surface is found"});
+    visit(Field{
+        "cost", &O::cost, "",
+        "of the dense surface: how unlike two pixels are; nothing: rank of film, whose grain its windows average, "
+        "else census"});
     visit(Group{"points", &O::points});
     visit(Group{"relative orientation", &O::relative});
     visit(Group{"levels", &O::levels});

@@ -75,10 +75,11 @@ DisparityRange range_around(const std::vector<LevelPoint>& points) {
 }
 
 // Parts side by side. How long it will take is known by the pair at reduced size.
-Result<> match_in_parts(const EpipolarImages& images, const DisparityRange& range, PairCloud& cloud, const Run& run) {
+Result<> match_in_parts(const EpipolarImages& images, const DisparityRange& range, const StereoOptions& options,
+                        PairCloud& cloud, const Run& run) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
-  COLLINEA_TRY(const StereoParts parts, stereo_parts(images.left, images.right, range, StereoOptions{}, run));
+  COLLINEA_TRY(const StereoParts parts, stereo_parts(images.left, images.right, range, options, run));
   const double spent_s = std::chrono::duration<double>(Clock::now() - start).count();
   run.say(fmt::format("semi-global matching of {} parts of {} x {} px: some {:.0f} s", parts.parts.size(),
                       images.left.width, images.left.height, spent_s * parts.work / std::max(parts.work_before, 1.0)));
@@ -87,7 +88,7 @@ Result<> match_in_parts(const EpipolarImages& images, const DisparityRange& rang
   const Run alone{.stop = run.stop};
   const auto make = [&](const Unit& unit) -> Result<PairCloud::Piece> {
     const StereoPart& part = parts.parts[std::size_t(unit.first)];
-    COLLINEA_TRY(const DisparityMap map, match_part(images.left, images.right, part, StereoOptions{}, alone));
+    COLLINEA_TRY(const DisparityMap map, match_part(images.left, images.right, part, options, alone));
     return cloud.piece_of(points_of(map, part.column, part.row, 0, part.height));
   };
   return run_units_in_order(run, list, make, [&](const Unit&, const PairCloud::Piece& piece) -> Result<> {
@@ -128,10 +129,10 @@ Result<PairCloudSummary> write_surface(EpipolarImages images, const PairFiles& p
   COLLINEA_TRY(PairCloud cloud, cloud_file());
   const DisparityRange range = range_around(model.in_epipolar);
   if (double(images.left.width) * images.left.height > kLargestWhole) {
-    COLLINEA_TRY(match_in_parts(images, range, cloud, run));
+    COLLINEA_TRY(match_in_parts(images, range, options.stereo(), cloud, run));
     return cloud.finish();
   }
-  COLLINEA_TRY(const DisparityMap map, match_pair(images.left, images.right, range, StereoOptions{}, run));
+  COLLINEA_TRY(const DisparityMap map, match_pair(images.left, images.right, range, options.stereo(), run));
   COLLINEA_TRY(add_all(map, cloud, run));
   return cloud.finish();
 }
