@@ -171,6 +171,23 @@ Work resection(const Photograph& photo) {
   };
 }
 
+// Nothing known of the pose: it starts as the command does.
+Work resection_with_start(const Photograph& photo) {
+  std::vector<Vector2d> pixels;
+  std::vector<Vector3d> points;
+  for (const ResectionMark& mark : photo.marks) {
+    pixels.push_back(mark.pixel);
+    points.push_back(photo.points[mark.point].in_world);
+  }
+  return [&photo, pixels, points] {
+    constexpr std::size_t kTriples = 40;
+    const auto found = pose_starts(photo.camera, pixels, points, 1, kTriples);
+    must(!found.empty(), "start of the resection");
+    const std::vector<Rigid3> starts{found.front().cam_from_world};
+    must(space_resection(photo.camera, starts, photo.marks, photo.points), "resection");
+  };
+}
+
 Work relative(const std::vector<PairPoint>& points, PairStart start, PairRejection rejection) {
   RelativeOptions options;
   options.start = start;
@@ -310,6 +327,7 @@ std::vector<Row> rows_of(const Inputs& in) {
        umeyama(in.model, in.ground)},
       {"resection", "solvePnP iterative", resection(in.exact), solve_pnp(in.exact), 0, 1},
       {"resection, control with errors", "solvePnP iterative", resection(in.measured), solve_pnp(in.measured), 0, 1},
+      {"resection, start by P3P", "", resection_with_start(in.exact), {}, 0, 1},
       {"relative orientation, linear start", "", relative(in.points, kLinear, kNone), {}, 0, 1},
       {"relative, with data snooping", "", relative(in.points, kLinear, kSnooping), {}, 0, 1},
       {"relative, robust start, snooping", "findEssentialMat LMEDS, recoverPose",

@@ -29,6 +29,7 @@ constexpr double kBlur_px = 0.6;  // standard deviation of the point spread of b
 constexpr double kNoise_grey = 2;
 constexpr int kReduced = 4;      // pixels of a photograph to one of the images made of it
 constexpr double kStart_px = 1;  // the start is off by so much in each direction
+constexpr double kWanted_px = 0.05;
 constexpr double kChi95[] = {0, 3.8415, 5.9915};
 
 using Grey = std::function<double(const Vector2d&)>;  // of a surface, in pixels of the images, blurred
@@ -131,6 +132,8 @@ constexpr Case kCases[] = {
 struct Pair {
   GreyImage left{kSide_px, kSide_px}, right{kSide_px, kSide_px};
   Vector2d left_px, right_px;
+  Matrix2d map;
+  double gain = 1;
   WindowStart start;
 };
 
@@ -159,15 +162,16 @@ Pair pair_of(const Case& what, const Grey& grey, Random& random) {
   };
   pair.left_px = middle + within(0.5);
   pair.right_px = middle + within(0.5);
-  const Matrix2d map = map_of(what.model, random), back = map.inverse();
-  const double gain = what.light == WindowLight::kGainOffset ? random.uniform(0.8, 1.2) : 1,
-               offset = what.light == WindowLight::kSame ? 0 : random.uniform(-15, 15);
+  pair.map = map_of(what.model, random);
+  const Matrix2d back = pair.map.inverse();
+  pair.gain = what.light == WindowLight::kGainOffset ? random.uniform(0.8, 1.2) : 1;
+  const double offset = what.light == WindowLight::kSame ? 0 : random.uniform(-15, 15);
   for (int y = 0; y < kSide_px; ++y)
     for (int x = 0; x < kSide_px; ++x) {
       const Vector2d at(x + 0.5, y + 0.5);
       pair.left.at(x, y) = pixel_of(grey(at), random);
       pair.right.at(x, y) =
-          pixel_of(gain * (grey(pair.left_px + back * (at - pair.right_px)) - 128) + 128 + offset, random);
+          pixel_of(pair.gain * (grey(pair.left_px + back * (at - pair.right_px)) - 128) + 128 + offset, random);
     }
   pair.start.position_px = pair.right_px + within(kStart_px);
   if (what.model == WindowModel::kLine) {
@@ -184,6 +188,50 @@ Pair pair_of(const Case& what, const Grey& grey, Random& random) {
   return pair;
 }
 
+// The variance that no unbiased estimate of the position from the pixels of the window undercuts (Cramer, Rao), both
+// coordinates together: every pixel of the left window tells by its noise and that of the other image what the true
+// slopes there are worth, the other unknowns taken off. Whole grey values are noise of 1 / 12 besides.
+double least_variance_px2(const Case& what, const Grey& grey, const Pair& pair) {
+  using Row = Eigen::Matrix<double, 8, 1>;
+  constexpr double kStep_px = 0.01;
+  const double noise = (kNoise_grey * kNoise_grey + 1.0 / 12) * (1 + pair.gain * pair.gain);
+  Eigen::Matrix<double, 8, 8> normal = Eigen::Matrix<double, 8, 8>::Zero();
+  const int half = WindowOptions().window_px / 2;
+  const Vector2d middle = pair.left_px.array().floor() + 0.5;
+  for (int y = -half; y <= half; ++y)
+    for (int x = -half; x <= half; ++x) {
+      const Vector2d at = middle + Vector2d(x, y), u = at - pair.left_px;
+      const auto slope = [&](const Vector2d& step) { return (grey(at + step) - grey(at - step)) / (2 * kStep_px); };
+      const Vector2d own(slope({kStep_px, 0}), slope({0, kStep_px}));
+      const Vector2d there = pair.gain * pair.map.inverse().transpose() * own;
+      Row row;
+      row << there, there.x() * u, there.y() * u, grey(at) - 128, 1;
+      normal += row * row.transpose() / noise;
+    }
+  // What the model has not free is left out.
+  Eigen::Matrix<double, 8, Eigen::Dynamic> free = Eigen::Matrix<double, 8, Eigen::Dynamic>::Zero(8, 0);
+  const auto add = [&](const Row& column) {
+    free.conservativeResize(8, free.cols() + 1);
+    free.rightCols<1>() = column;
+  };
+  const Vector2d along = pair.start.line;
+  if (what.model == WindowModel::kLine) {
+    add((Row() << along, 0, 0, 0, 0, 0, 0).finished());
+  } else {
+    add(Row::Unit(0));
+    add(Row::Unit(1));
+  }
+  if (what.model == WindowModel::kScale || what.model == WindowModel::kSimilarity)
+    add((Row() << 0, 0, 1, 0, 0, 1, 0, 0).finished());
+  if (what.model == WindowModel::kSimilarity) add((Row() << 0, 0, 0, -1, 1, 0, 0, 0).finished());
+  if (what.model == WindowModel::kAffine)
+    for (int i = 2; i < 6; ++i) add(Row::Unit(i));
+  if (what.light == WindowLight::kGainOffset) add(Row::Unit(6));
+  if (what.light != WindowLight::kSame) add(Row::Unit(7));
+  const Eigen::MatrixXd covariance = (free.transpose() * normal * free).inverse();
+  return what.model == WindowModel::kLine ? covariance(0, 0) : covariance(0, 0) + covariance(1, 1);
+}
+
 double part(const std::vector<double>& sorted, double share) {
   return sorted[std::min(sorted.size() - 1, std::size_t(share * double(sorted.size())))];
 }
@@ -195,8 +243,9 @@ void judge(const char* kind, const Case& what, int windows, const std::function<
   options.robust = what.robust;
   const int dimensions = what.model == WindowModel::kLine ? 1 : 2;
   std::vector<double> errors;
-  double squares = 0, statistics = 0, variances = 0, noise = 0, iterations = 0, clocks = 0;
-  int inside = 0, within = 0;
+  double squares = 0, bounds = 0, statistics = 0, variances = 0, noise = 0, iterations = 0, clocks = 0;
+  int inside = 0, within = 0, certain = 0;
+  double certain_squares = 0;
   for (int i = 0; i < windows; ++i) {
     Random random(7, std::uint64_t(i));
     const Grey grey = texture(random);
@@ -215,20 +264,31 @@ void judge(const char* kind, const Case& what, int windows, const std::function<
     }
     errors.push_back(error.norm());
     squares += error.squaredNorm();
+    bounds += least_variance_px2(what, grey, pair);
     variances += match.covariance_px2.trace();
     statistics += statistic;
     inside += statistic < kChi95[dimensions];
-    within += error.norm() <= 0.05;
+    within += error.norm() <= kWanted_px;
+    if (match.covariance_px2.trace() <= dimensions * kWanted_px * kWanted_px) {
+      ++certain;
+      certain_squares += error.squaredNorm();
+    }
     noise += match.noise_grey;
     iterations += match.iterations;
   }
   if (errors.empty()) return;
   std::sort(errors.begin(), errors.end());
   const double n = double(errors.size());
+  const auto per_coordinate = [&](double sum, double count) {
+    return std::sqrt(sum / std::max(count, 1.0) / dimensions);
+  };
   std::printf(
-      "| %s | %s | %.1f | %.4f | %.4f | %.4f | %.4f | %.3f | %.1f | %.3f | %.3f | %.1f | %.2f | %.1f | %.0f |\n", kind,
-      what.title, 100 * n / windows, std::sqrt(squares / n), part(errors, 0.5), part(errors, 0.95), part(errors, 0.99),
-      errors.back(), 100 * within / n, std::sqrt(variances / squares), std::sqrt(statistics / n / dimensions),
+      "| %s | %s | %.1f | %.4f | %.4f | %.3f | %.1f | %.4f | %.4f | %.4f | %.4f | %.3f | %.1f | %.3f | %.1f | %.2f | "
+      "%.1f "
+      "| %.0f |\n",
+      kind, what.title, 100 * n / windows, per_coordinate(squares, n), per_coordinate(bounds, n),
+      std::sqrt(variances / squares), 100 * certain / n, per_coordinate(certain_squares, certain), part(errors, 0.5),
+      part(errors, 0.95), part(errors, 0.99), errors.back(), 100 * within / n, std::sqrt(statistics / n / dimensions),
       100 * inside / n, noise / n, iterations / n, 1e6 * clocks / CLOCKS_PER_SEC / windows);
   std::fflush(stdout);
 }
@@ -247,9 +307,12 @@ int main(int argc, char** argv) {
     photographs.push_back(std::move(*image));
   }
   std::printf(
-      "| texture | model | found [%%] | RMS [px] | median | 95 %% | 99 %% | largest | within 0.05 px [%%] | "
-      "sigma / error | errors in sigmas | in 95 %% ellipse [%%] | noise [grey] | iterations | time [us] |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+      "| texture | model | found [%%] | RMS of a coordinate [px] | Cramer-Rao bound | sigma / error | sigma <= 0.05 px "
+      "[%%] "
+      "| RMS of these | median length | 95 %% | 99 %% | largest | within 0.05 px [%%] | errors in sigmas | in 95 %% "
+      "ellipse "
+      "[%%] | noise [grey] | iterations | time [us] |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const Case& what : kCases) judge("rendered", what, windows, rendered);
   if (photographs.empty()) return 0;
   for (const Case& what : kCases)

@@ -89,6 +89,8 @@ class StartSearch {
   static constexpr int kRefinements = 2;
   static constexpr double kFarthest_px = 1e5;
   static constexpr double kExact_px = 1e-6;  // of measurements without errors: rounding
+  static constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+  static constexpr int kBlock = 64;  // errors between two looks at whether a model can still be the best
 
   [[nodiscard]] static double combinations(double n) {
     double all = 1;
@@ -123,27 +125,47 @@ class StartSearch {
   void attempt(const std::array<int, kSample>& sample) {
     ++trials_;
     for (const Model& candidate : problem_.solve(sample)) {
-      const double criterion = criterion_of(candidate);
+      const double criterion = criterion_of(candidate, least_);
       if (!(criterion < least_)) continue;
       least_ = criterion;
       best_ = candidate;
     }
   }
 
-  [[nodiscard]] double criterion_of(const Model& model) {
-    if (kind_ == RobustStart::kLeastMedian) return central(model);
-    problem_.squared_errors(model, 0, size_, errors_.data());
+  [[nodiscard]] double criterion_of(const Model& model, double limit = kNoLimit) {
+    return kind_ == RobustStart::kLeastMedian ? central(model, limit) : sum_of_absolute(model, limit);
+  }
+
+  // Nearly all candidates are worse than the best one, so errors are looked at in blocks: infinity where what was seen
+  // already tells that the sum reaches the limit.
+  [[nodiscard]] double sum_of_absolute(const Model& model, double limit) {
     double sum = 0;
-    for (const double e : errors_) sum += e < kFarthest_px * kFarthest_px ? std::sqrt(e) : kFarthest_px;
+    for (int begin = 0; begin < size_; begin += kBlock) {
+      const int end = std::min(begin + kBlock, size_);
+      problem_.squared_errors(model, begin, end, errors_.data());
+      for (int i = 0; i < end - begin; ++i) {
+        const double e = errors_[static_cast<std::size_t>(i)];
+        sum += e < kFarthest_px * kFarthest_px ? std::sqrt(e) : kFarthest_px;
+      }
+      if (!(sum < limit)) return kNoLimit;
+    }
     return sum;
   }
 
-  // The h-th smallest squared error.
-  [[nodiscard]] double central(const Model& model) {
-    problem_.squared_errors(model, 0, size_, errors_.data());
-    for (double& e : errors_)
-      if (!(e < kFarthest_px * kFarthest_px)) e = kFarthest_px * kFarthest_px;
-    const auto h = std::min(size_, size_ / 2 + (kSample + 1) / 2);
+  // The h-th smallest squared error; infinity where so many reach the limit that it must, too.
+  [[nodiscard]] double central(const Model& model, double limit = kNoLimit) {
+    const int h = std::min(size_, size_ / 2 + (kSample + 1) / 2);
+    int above = 0;
+    for (int begin = 0; begin < size_; begin += kBlock) {
+      const int end = std::min(begin + kBlock, size_);
+      double* block = errors_.data() + begin;
+      problem_.squared_errors(model, begin, end, block);
+      for (int i = 0; i < end - begin; ++i) {
+        if (!(block[i] < kFarthest_px * kFarthest_px)) block[i] = kFarthest_px * kFarthest_px;
+        above += !(block[i] < limit);
+      }
+      if (above > size_ - h) return kNoLimit;
+    }
     std::nth_element(errors_.begin(), errors_.begin() + (h - 1), errors_.end());
     return errors_[static_cast<std::size_t>(h - 1)];
   }
@@ -188,7 +210,7 @@ class StartSearch {
   const int size_;
   std::vector<double> errors_;
   std::optional<Model> best_;
-  double least_ = std::numeric_limits<double>::infinity();
+  double least_ = kNoLimit;
   int trials_ = 0;
 };
 

@@ -17,16 +17,25 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// Squared errors in units of the image.
-void squared_errors(const Rigid3& pose, double focal, std::span<const Vector2d> xy, std::span<const Vector3d> points,
-                    std::vector<double>& out) {
+constexpr std::size_t kMostStarts = 4;
+constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+
+// Squared errors in units of the image; false, with not all of them, where more than `most` do not lie below a limit.
+bool squared_errors(const Rigid3& pose, double focal, std::span<const Vector2d> xy, std::span<const Vector3d> points,
+                    double limit, std::size_t most, std::vector<double>& out) {
+  constexpr std::size_t kBlock = 64;
   const Matrix3d r = pose.rotation.toRotationMatrix();
   out.resize(xy.size());
-  for (std::size_t i = 0; i < xy.size(); ++i) {
-    const Vector3d p = r * points[i] + pose.translation;
-    out[i] = p.z() > 0 ? focal * focal * (p.head<2>() / p.z() - xy[i]).squaredNorm()
-                       : std::numeric_limits<double>::infinity();
+  std::size_t above = 0;
+  for (std::size_t begin = 0; begin < xy.size(); begin += kBlock) {
+    for (std::size_t i = begin; i < std::min(begin + kBlock, xy.size()); ++i) {
+      const Vector3d p = r * points[i] + pose.translation;
+      out[i] = p.z() > 0 ? focal * focal * (p.head<2>() / p.z() - xy[i]).squaredNorm() : kNoLimit;
+      above += !(out[i] < limit);
+    }
+    if (above > most) return false;
   }
+  return true;
 }
 
 // Calls visit with all triples below n, or with `most` drawn ones.
@@ -59,9 +68,10 @@ std::vector<PoseStart> pose_starts(const Camera& camera, std::span<const Vector2
   const std::size_t n = xy.size(), rank = std::min(n, n / 2 + 2) - 1;
   struct Candidate {
     Rigid3 pose;
-    double criterion, sum;
+    double criterion;
   };
-  std::vector<Candidate> found;
+  // The best ones, of three points all: a pose that will not be among them is left as soon as its errors tell.
+  std::vector<Candidate> best;
   std::vector<double> errors;
   for_triples(n, most, seed, [&](const std::array<std::size_t, 3>& triple) {
     std::array<Vector3d, 3> rays, points;
@@ -70,19 +80,20 @@ std::vector<PoseStart> pose_starts(const Camera& camera, std::span<const Vector2
       points[k] = points_in_world[triple[k]];
     }
     for (const Rigid3& pose : p3p(rays, points)) {
-      squared_errors(pose, focal, xy, points_in_world, errors);
+      const double limit = n > 4 && best.size() == kMostStarts ? best.back().criterion : kNoLimit;
+      if (!squared_errors(pose, focal, xy, points_in_world, limit, n - rank - 1, errors)) continue;
       std::nth_element(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(rank), errors.end());
       double sum = 0;
       for (std::size_t k = 0; k <= rank; ++k) sum += errors[k];
-      if (std::isfinite(sum)) found.push_back({pose, n > 4 ? errors[rank] : sum, sum});
+      if (!std::isfinite(sum)) continue;
+      const Candidate candidate{pose, n > 4 ? errors[rank] : sum};
+      const auto is_better = [](const Candidate& a, const Candidate& b) { return a.criterion < b.criterion; };
+      best.insert(n > 3 ? std::upper_bound(best.begin(), best.end(), candidate, is_better) : best.end(), candidate);
+      if (n > 3 && best.size() > kMostStarts) best.pop_back();
     }
   });
-  if (n > 3)
-    std::stable_sort(found.begin(), found.end(),
-                     [](const Candidate& a, const Candidate& b) { return a.criterion < b.criterion; });
   std::vector<PoseStart> starts;
-  for (const Candidate& candidate : found) {
-    if (n > 3 && starts.size() == 4) break;
+  for (const Candidate& candidate : best) {
     const double scale = n > 3 ? 0.8493 * (1 + 5 / std::max(1.0, double(n) - 3)) * std::sqrt(candidate.criterion) : 0;
     starts.push_back({candidate.pose, scale});
   }

@@ -5,10 +5,12 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <vector>
 
+#include "collinea/epipolar/internal/epipolar_kernels.h"
 #include "collinea/epipolar/internal/essential.h"
 #include "collinea/epipolar/internal/matrix_fit.h"
 #include "collinea/geometry/rotation.h"
@@ -168,25 +170,24 @@ constexpr int kMaxIterations = 12;
 }  // namespace
 
 void squared_epipolar_errors(const Eigen::Matrix3d& m, const PointPairs& pairs, int begin, int end, double* out) {
-  const double w1 = 1 / (pairs.focal_first_px * pairs.focal_first_px);
-  const double w2 = 1 / (pairs.focal_second_px * pairs.focal_second_px);
-  const double *x1 = pairs.x1.data(), *y1 = pairs.y1.data(), *x2 = pairs.x2.data(), *y2 = pairs.y2.data();
-  const double m00 = m(0, 0), m01 = m(0, 1), m02 = m(0, 2), m10 = m(1, 0), m11 = m(1, 1), m12 = m(1, 2);
-  const double m20 = m(2, 0), m21 = m(2, 1), m22 = m(2, 2);
-  const auto squared_error = [&](int i, double per1, double per2) {
-    const double a = m00 * x1[i] + m01 * y1[i] + m02, b = m10 * x1[i] + m11 * y1[i] + m12;
-    const double third = m20 * x1[i] + m21 * y1[i] + m22;
-    const double u = m00 * x2[i] + m10 * y2[i] + m20, v = m01 * x2[i] + m11 * y2[i] + m21;
-    const double c = x2[i] * a + y2[i] * b + third;
-    return c * c / (per2 * (a * a + b * b) + per1 * (u * u + v * v));
+  const std::array<double, 9> rows = {m(0, 0), m(0, 1), m(0, 2), m(1, 0), m(1, 1), m(1, 2), m(2, 0), m(2, 1), m(2, 2)};
+  const auto from = [&](int i) {
+    return PairRows{pairs.x1.data() + i, pairs.y1.data() + i, pairs.x2.data() + i, pairs.y2.data() + i};
   };
   if (pairs.scale1.empty()) {
-    for (int i = begin; i < end; ++i) out[i - begin] = squared_error(i, w1, w2);
-    return;
+    const double w1 = 1 / (pairs.focal_first_px * pairs.focal_first_px);
+    const double w2 = 1 / (pairs.focal_second_px * pairs.focal_second_px);
+    return sampson_distances(rows, from(begin), end - begin, {&w1, &w2, false}, out);
   }
-  for (int i = begin; i < end; ++i) {
-    const Eigen::Vector2d pixels = pairs.squared_pixels(i);
-    out[i - begin] = squared_error(i, pixels[0], pixels[1]);
+  constexpr int kBlock = 64;
+  std::array<double, kBlock> w1, w2;
+  for (int at = begin; at < end; at += kBlock) {
+    const int count = std::min(kBlock, end - at);
+    for (int i = 0; i < count; ++i) {
+      const Eigen::Vector2d pixels = pairs.squared_pixels(at + i);
+      w1[static_cast<std::size_t>(i)] = pixels[0], w2[static_cast<std::size_t>(i)] = pixels[1];
+    }
+    sampson_distances(rows, from(at), count, {w1.data(), w2.data(), true}, out + at - begin);
   }
 }
 

@@ -10,6 +10,7 @@
 #include "collinea/epipolar/internal/fundamental.h"
 #include "collinea/epipolar/internal/homography.h"
 #include "collinea/epipolar/scene_for_tests.h"
+#include "collinea/math/test_targets.h"
 
 namespace collinea {
 namespace {
@@ -35,6 +36,37 @@ TEST(EpipolarErrors, AreDistancesInPixels) {
   double squared = 0;
   squared_epipolar_errors(7 * essential_matrix(motion), pairs, 0, 1, &squared);
   EXPECT_NEAR(squared, 25.0 / 2, 1e-10);
+}
+
+// The formula as it is written, pair by pair, has the bits of every instruction set: limits of searches lie on them.
+TEST(EpipolarErrors, HaveTheSameBitsOnEveryInstructionSet) {
+  Random random(9);
+  const Rigid3 motion = random_motion(random);
+  PointPairs pairs = pairs_of(motion, 107, 1, random, random_point);  // whole vectors of each width, and a rest
+  pairs.focal_second_px *= 1.3;
+  PointPairs fisheyes = pairs;
+  for (int i = 0; i < pairs.size(); ++i) {
+    fisheyes.scale1.push_back(random.uniform(0.5, 1));
+    fisheyes.scale2.push_back(random.uniform(0.5, 1));
+  }
+  const Eigen::Matrix3d m = essential_matrix(motion);
+  for (const PointPairs& images : {pairs, fisheyes}) {
+    std::vector<double> plain;
+    for (int i = 7; i < images.size(); ++i) {
+      const Eigen::Vector2d p = images.first(i), q = images.second(i), pixels = images.squared_pixels(i);
+      const double a = m(0, 0) * p.x() + m(0, 1) * p.y() + m(0, 2), b = m(1, 0) * p.x() + m(1, 1) * p.y() + m(1, 2);
+      const double third = m(2, 0) * p.x() + m(2, 1) * p.y() + m(2, 2);
+      const double u = m(0, 0) * q.x() + m(1, 0) * q.y() + m(2, 0), v = m(0, 1) * q.x() + m(1, 1) * q.y() + m(2, 1);
+      const double c = q.x() * a + q.y() * b + third;
+      plain.push_back(c * c / (pixels[1] * (a * a + b * b) + pixels[0] * (u * u + v * v)));
+    }
+    for (const std::int64_t target : collinea::testing::processor_targets()) {
+      const collinea::testing::OnTarget on(target);
+      std::vector<double> squared(plain.size());
+      squared_epipolar_errors(m, images, 7, images.size(), squared.data());
+      EXPECT_EQ(squared, plain) << target;
+    }
+  }
 }
 
 TEST(RefineRelative, ReturnsToTheExactMotion) {
