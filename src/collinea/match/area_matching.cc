@@ -10,6 +10,7 @@
 
 #include "collinea/match/census.h"
 #include "collinea/match/internal/area_kernels.h"
+#include "collinea/math/median.h"
 
 namespace collinea {
 namespace {
@@ -236,21 +237,6 @@ Vector2i pixel_of(const Vector2d& position_px) {
   return {static_cast<int>(std::floor(position_px.x())), static_cast<int>(std::floor(position_px.y()))};
 }
 
-bool is_decisive(const CorrelationSurface& surface, const std::vector<AreaCandidate>& all, double ratio) {
-  if (all.size() < 2) return true;
-  const double n = surface.pixels;
-  double least = kSmallResidual_grey * n;
-  if (surface.method == Similarity::kNcc) least = kSmallUncorrelated;
-  if (surface.method == Similarity::kCosine) {
-    const Vector2i at = all[0].pixel - Vector2i(surface.left, surface.top);
-    const double norm = surface.deviations.at(at.x(), at.y());
-    least /= std::max(norm * norm, least);
-  }
-  if (surface.method == Similarity::kSad) least *= n;
-  if (surface.method == Similarity::kDn) least /= n;
-  return all[1].residual > ratio * std::max(all[0].residual, least);
-}
-
 AreaOptions without_return(AreaOptions options) {
   options.return_px.reset();
   return options;
@@ -293,6 +279,30 @@ CorrelationSurface correlation_surface(const GreyImage& image, const Vector2i& m
   return surface;
 }
 
+std::vector<double> likenesses(const CorrelationSurface& surface, std::span<const AreaCandidate> of) {
+  std::vector<double> out;
+  const bool is_correlation = is_larger_better(surface.method);
+  const double at_random = is_correlation || of.empty() ? 0 : median(std::vector(surface.values.data));
+  for (const AreaCandidate& candidate : of) {
+    const double part = at_random > 0 ? std::min(candidate.value / at_random, 1.0) : 1;
+    switch (surface.method) {
+      case Similarity::kNcc:
+      case Similarity::kCosine:
+        out.push_back(std::clamp(candidate.value, 0.0, 1.0));
+        break;
+      case Similarity::kSsd:
+        out.push_back(1 - part);
+        break;
+      case Similarity::kCensus:
+        out.push_back(part < 1 ? std::cos(std::numbers::pi / 2 * part) : 0);
+        break;
+      default:
+        out.push_back(1 - part * part);
+    }
+  }
+  return out;
+}
+
 std::vector<AreaCandidate> candidates(const CorrelationSurface& surface, int radius, std::optional<double> threshold) {
   const FloatImage& values = surface.values;
   const float sign = is_larger_better(surface.method) ? 1 : -1;
@@ -316,6 +326,23 @@ std::vector<AreaCandidate> candidates(const CorrelationSurface& surface, int rad
   std::stable_sort(out.begin(), out.end(),
                    [&](const AreaCandidate& a, const AreaCandidate& b) { return sign * a.value > sign * b.value; });
   return out;
+}
+
+std::size_t rivals(const CorrelationSurface& surface, std::span<const AreaCandidate> all, double ratio) {
+  if (all.size() < 2) return all.size();
+  const double n = surface.pixels;
+  double least = kSmallResidual_grey * n;
+  if (surface.method == Similarity::kNcc) least = kSmallUncorrelated;
+  if (surface.method == Similarity::kCosine) {
+    const Vector2i at = all[0].pixel - Vector2i(surface.left, surface.top);
+    const double norm = surface.deviations.at(at.x(), at.y());
+    least /= std::max(norm * norm, least);
+  }
+  if (surface.method == Similarity::kSad) least *= n;
+  if (surface.method == Similarity::kDn) least /= n;
+  std::size_t count = 1;
+  while (count < all.size() && !(all[count].residual > ratio * std::max(all[0].residual, least))) ++count;
+  return count;
 }
 
 // Least squares over the nine points (x, y) = -1, 0, 1: the columns of 1, x, y, x^2, xy, y^2 are orthogonal but for 1
@@ -360,7 +387,7 @@ AreaMatching match_area(const GreyImage& image, const Vector2d& position_px, con
   out.outcome = AreaOutcome::kNoCandidate;
   if (out.candidates.empty()) return out;
   out.outcome = AreaOutcome::kAmbiguous;
-  if (!is_decisive(out.surface, out.candidates, options.decisive_ratio)) return out;
+  if (rivals(out.surface, out.candidates, options.decisive_ratio) > 1) return out;
   out.outcome = AreaOutcome::kAtBorder;
   const AreaCandidate& best = out.candidates.front();
   const auto peak = subpixel_peak(out.surface, best.pixel);
