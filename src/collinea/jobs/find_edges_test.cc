@@ -105,8 +105,10 @@ TEST_F(FindEdges, AShapeOfAnotherSizeIsFoundWithItsScale) {
   ASSERT_TRUE(report) << report.error().message;
   ASSERT_EQ(report->found.rows.size(), 2u);
   // Smoothing by a pixel moves the edges of small discs inwards, by some 1 / (2 r): 0.05 of 10 and 0.03 of 15 px.
-  for (const double scale : *report->found.numbers("scale", "")) EXPECT_NEAR(scale, 1.5, 0.02);
-  for (const double sigma : *report->found.numbers("sigma_scale", "")) EXPECT_TRUE(sigma > 0 && sigma < 0.01);
+  const auto scales = report->found.numbers("scale", ""), sigmas = report->found.numbers("sigma_scale", "");
+  ASSERT_TRUE(scales && sigmas);
+  for (const double scale : *scales) EXPECT_NEAR(scale, 1.5, 0.02);
+  for (const double sigma : *sigmas) EXPECT_TRUE(sigma > 0 && sigma < 0.01);
   for (const char* wrong : {"2,0.5", "0", "a", "1,2,3"}) {
     options.shape_scale = wrong;
     const auto refused = find(options);
