@@ -60,7 +60,7 @@ struct AreaOptions {
                 "template, of ssd and d that of dn (nothing: none)"});
     visit(Field{"decisive_ratio", &O::decisive_ratio, "",
                 "of several candidates the best is taken when the next has as many times its residual variance "
-                "(ncc, cosine: 1 - correlation squared)",
+                "(ncc, cosine: 1 - correlation squared); neighbours choose among the others",
                 1, 1e6});
     visit(Field{"return_px", &O::return_px, "px",
                 "the match, looked for in the left image, must come back so near to the point (forward-backward "
