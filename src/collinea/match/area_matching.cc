@@ -10,7 +10,6 @@
 
 #include "collinea/match/census.h"
 #include "collinea/match/internal/area_kernels.h"
-#include "collinea/math/median.h"
 
 namespace collinea {
 namespace {
@@ -277,30 +276,6 @@ CorrelationSurface correlation_surface(const GreyImage& image, const Vector2i& m
   else
     by_products(cut, surface);
   return surface;
-}
-
-std::vector<double> likenesses(const CorrelationSurface& surface, std::span<const AreaCandidate> of) {
-  std::vector<double> out;
-  const bool is_correlation = is_larger_better(surface.method);
-  const double at_random = is_correlation || of.empty() ? 0 : median(std::vector(surface.values.data));
-  for (const AreaCandidate& candidate : of) {
-    const double part = at_random > 0 ? std::min(candidate.value / at_random, 1.0) : 1;
-    switch (surface.method) {
-      case Similarity::kNcc:
-      case Similarity::kCosine:
-        out.push_back(std::clamp(candidate.value, 0.0, 1.0));
-        break;
-      case Similarity::kSsd:
-        out.push_back(1 - part);
-        break;
-      case Similarity::kCensus:
-        out.push_back(part < 1 ? std::cos(std::numbers::pi / 2 * part) : 0);
-        break;
-      default:
-        out.push_back(1 - part * part);
-    }
-  }
-  return out;
 }
 
 std::vector<AreaCandidate> candidates(const CorrelationSurface& surface, int radius, std::optional<double> threshold) {

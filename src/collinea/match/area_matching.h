@@ -111,13 +111,6 @@ struct AreaCandidate {
 [[nodiscard]] std::size_t rivals(const CorrelationSurface& surface, std::span<const AreaCandidate> candidates,
                                  double ratio);
 
-/// How alike candidates are, 0 to 1, on the scale of the correlation r: r itself of ncc and cosine. Of the others with
-/// q = value / median of the surface, at most 1 (what a position at random leaves): 1 - q of ssd, for sum (T - S)^2 =
-/// 2 n var (1 - r); 1 - q^2 of d, dn, sad and rank, which grow as its root; cos(pi q / 2) of census, for two pixels
-/// are in another order with the chance arccos(r) / pi (Sheppard 1899). 0 where the median is 0: nothing tells
-/// positions apart.
-[[nodiscard]] std::vector<double> likenesses(const CorrelationSurface& surface, std::span<const AreaCandidate> of);
-
 struct SubpixelPeak {
   Eigen::Vector2d offset_px;  ///< from the middle of the pixel, within one pixel
   /// Of ncc, cosine, ssd, sad, d and dn; nothing for rank and census, whose surface does not tell it
