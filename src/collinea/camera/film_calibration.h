@@ -30,6 +30,7 @@ struct CalibratedMark {
   Eigen::Vector2d film_mm = Eigen::Vector2d::Zero();
   double sigma_mm = 0;  ///< of each coordinate
   std::optional<MarkKind> kind = {};
+  MarkCoordinates coordinates = MarkCoordinates::kBoth;  ///< the other is about where the mark is, to find it
 };
 
 /// The calibration of a film camera. Image coordinates count from the point that the marks count from, mostly the

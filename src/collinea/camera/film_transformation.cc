@@ -145,7 +145,33 @@ FilmTransformation without_marks(const Vector2d& origin_pixel, double pixel_mm) 
 
 namespace {
 
+constexpr double kLeastLever = 1e-3;
+
 using Used = std::vector<char>;
+using Whitener = Eigen::Matrix<double, Eigen::Dynamic, 2, 0, 2, 2>;  // a row for each coordinate of a mark
+
+// Equations of marks that are used.
+Eigen::Index rows_of(std::span<const FilmMark> marks, const Used& used) {
+  Eigen::Index rows = 0;
+  for (std::size_t i = 0; i < marks.size(); ++i)
+    if (used[i]) rows += count_of(marks[i].coordinates);
+  return rows;
+}
+
+// The film coordinates of a mark; one that the calibration does not define is that of its pixel.
+Vector2d film_at(const FilmTransformation& t, const FilmMark& mark) {
+  Vector2d film = mark.film_mm;
+  if (mark.coordinates == MarkCoordinates::kBoth) return film;
+  const int undefined = mark.coordinates == MarkCoordinates::kX ? 1 : 0;
+  if (const auto measured = t.film_of(mark.pixel)) film[undefined] = (*measured)[undefined];
+  return film;
+}
+
+// Across the line of the film on which a mark of one coordinate lies.
+Vector2d across_of(const FilmTransformation& t, const FilmMark& mark) {
+  const Vector2d along = t.by_film(film_at(t, mark)).col(mark.coordinates == MarkCoordinates::kX ? 1 : 0).normalized();
+  return {-along.y(), along.x()};
+}
 
 // The similarity of marks of equal weight, in closed form, and the sum of its squared residuals.
 std::optional<std::pair<FilmTransformation, double>> similarity_of(std::span<const FilmMark> marks, const Used& used,
@@ -195,37 +221,55 @@ FilmTransformation started(const FilmTransformation& similarity, FilmModel model
 struct Equations {
   MatrixXd design;
   VectorXd residual;  // measured minus transformed
+  VectorXd reach;     // norms of the columns, did all marks have both coordinates
 };
 
-// The square root of a mark's weight: the inverse of the Cholesky factor of its covariance. Empty when that is none.
-std::optional<std::vector<Matrix2d>> whiteners(std::span<const FilmMark> marks, double px_per_mm) {
-  std::vector<Matrix2d> out;
+// The square root of a mark's weight: the inverse of the Cholesky factor of its covariance; of a mark of one coordinate
+// the row across its line over the sigma there. Empty when the covariance is none.
+std::optional<std::vector<Whitener>> whiteners(std::span<const FilmMark> marks, const FilmTransformation& t,
+                                               double px_per_mm) {
+  std::vector<Whitener> out;
   for (const FilmMark& mark : marks) {
     const double calibration = px_per_mm * mark.calibration_sigma_mm;
-    const Eigen::LLT<Matrix2d> root(mark.covariance + calibration * calibration * Matrix2d::Identity());
+    const Matrix2d covariance = mark.covariance + calibration * calibration * Matrix2d::Identity();
+    const Eigen::LLT<Matrix2d> root(covariance);
     if (root.info() != Eigen::Success) return std::nullopt;
-    out.push_back(root.matrixL().solve(Matrix2d::Identity()));
+    if (mark.coordinates == MarkCoordinates::kBoth) {
+      out.emplace_back(root.matrixL().solve(Matrix2d::Identity()));
+      continue;
+    }
+    const Vector2d across = across_of(t, mark);
+    out.emplace_back(across.transpose() / std::sqrt(across.dot(covariance * across)));
   }
   return out;
 }
 
 Equations equations(const FilmTransformation& t, std::span<const FilmMark> marks, const Used& used,
-                    const std::vector<Matrix2d>& whitener) {
-  const auto count = std::count(used.begin(), used.end(), char{1});
-  Equations e{MatrixXd(2 * count, t.parameters.size()), VectorXd(2 * count)};
+                    const std::vector<Whitener>& whitener) {
+  const Eigen::Index rows = rows_of(marks, used);
+  Equations e{MatrixXd(rows, t.parameters.size()), VectorXd(rows), VectorXd::Zero(t.parameters.size())};
   Eigen::Index row = 0;
   for (std::size_t i = 0; i < marks.size(); ++i) {
     if (!used[i]) continue;
-    e.design.middleRows<2>(row) = whitener[i] * t.by_parameters(marks[i].film_mm);
-    e.residual.segment<2>(row) = whitener[i] * (marks[i].pixel - t.pixel_of(marks[i].film_mm));
-    row += 2;
+    const Vector2d film = film_at(t, marks[i]);
+    const Eigen::Index count = whitener[i].rows();
+    const auto by = t.by_parameters(film);
+    e.design.middleRows(row, count) = whitener[i] * by;
+    e.reach += whitener[i].rowwise().norm().mean() * whitener[i].rowwise().norm().mean() *
+               by.colwise().squaredNorm().transpose();
+    e.residual.segment(row, count) = whitener[i] * (marks[i].pixel - t.pixel_of(film));
+    row += count;
   }
+  e.reach = e.reach.cwiseSqrt();
   return e;
 }
 
 // The inverse of the normal matrix; nothing when the columns, scaled to length one, depend on each other.
-std::optional<MatrixXd> inverse_normals(const MatrixXd& design) {
+std::optional<MatrixXd> inverse_normals(const Equations& e) {
+  const MatrixXd& design = e.design;
   const VectorXd scale = design.colwise().norm();
+  // A lever of less than a thousandth of the marks' distances is how they were read, nothing that determines.
+  if (!((scale - kLeastLever * e.reach).minCoeff() > 0)) return std::nullopt;
   if (!(scale.minCoeff() > 0) || !scale.allFinite()) return std::nullopt;
   const MatrixXd scaled = design * scale.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scaled.transpose() * scaled);
@@ -237,11 +281,11 @@ std::optional<MatrixXd> inverse_normals(const MatrixXd& design) {
 
 // The chance of the residuals of one mark, when the others are good: chi-squared of its whitened residual in the
 // coordinates that others control, or F against the rest.
-double misread_chance(const Vector2d& whitened, const Matrix2d& redundancy, double squares, int degrees, bool known) {
-  const Eigen::SelfAdjointEigenSolver<Matrix2d> eigen(redundancy);
+double misread_chance(const VectorXd& whitened, const MatrixXd& redundancy, double squares, int degrees, bool known) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(redundancy);
   double test = 0;
   int controlled = 0;
-  for (int k = 0; k < 2; ++k) {
+  for (Eigen::Index k = 0; k < whitened.size(); ++k) {
     if (!(eigen.eigenvalues()[k] > 1e-6)) continue;
     const double along = eigen.eigenvectors().col(k).dot(whitened);
     test += along * along / eigen.eigenvalues()[k];
@@ -253,28 +297,53 @@ double misread_chance(const Vector2d& whitened, const Matrix2d& redundancy, doub
   return fisher_tail(test / controlled / rest, controlled, degrees - controlled);
 }
 
+// Test and redundancy of a used mark, in pixels; `redundancy` is that of its whitened residuals.
+void judge_used(FilmMarkResidual& mark, const Whitener& whitener, const VectorXd& whitened, const MatrixXd& redundancy,
+                double scale) {
+  if (whitened.size() == 1) {
+    const Vector2d across = whitener.row(0).transpose().normalized();
+    mark.redundancy = redundancy(0, 0) * across.cwiseAbs2();
+    const int nearer = std::abs(across.x()) >= std::abs(across.y()) ? 0 : 1;
+    if (redundancy(0, 0) > 1e-12 && scale > 0)
+      mark.w[nearer] = std::copysign(1.0, across[nearer]) * whitened[0] / std::sqrt(redundancy(0, 0)) / scale;
+    return;
+  }
+  // Back in pixels: P v and P Qv P of the mark.
+  const Matrix2d root = whitener;
+  const Vector2d weighted = root.transpose() * whitened;
+  const Matrix2d of_weighted = root.transpose() * redundancy * root, weight = root.transpose() * root;
+  const Matrix2d in_pixels = root.inverse() * redundancy * root;
+  for (int k = 0; k < 2; ++k) {
+    mark.redundancy[k] = in_pixels(k, k);
+    if (of_weighted(k, k) > 1e-12 * weight(k, k) && scale > 0)
+      mark.w[k] = weighted[k] / std::sqrt(of_weighted(k, k)) / scale;
+  }
+}
+
+// What a mark misses its transformed position by; one of one coordinate its line, square to it.
+Vector2d misfit_of(const FilmTransformation& t, const FilmMark& mark) {
+  const Vector2d misfit = mark.pixel - t.pixel_of(film_at(t, mark));
+  if (mark.coordinates == MarkCoordinates::kBoth) return misfit;
+  const Vector2d across = across_of(t, mark);
+  return across.dot(misfit) * across;
+}
+
 // Residuals and tests of all marks; those that are not used get the residual of a check.
-void judge(FilmFit& fit, std::span<const FilmMark> marks, const Used& used, const std::vector<Matrix2d>& whitener,
+void judge(FilmFit& fit, std::span<const FilmMark> marks, const Used& used, const std::vector<Whitener>& whitener,
            const Equations& e, const MatrixXd& inverse, const FilmFitOptions& options) {
   const double scale = options.sigmas_are_known || fit.redundancy == 0 ? 1 : fit.sigma0;
   Eigen::Index row = 0;
   for (std::size_t i = 0; i < marks.size(); ++i) {
-    FilmMarkResidual mark{.name = marks[i].name, .is_used = used[i] != 0};
-    mark.residual_px = marks[i].pixel - fit.transformation.pixel_of(marks[i].film_mm);
+    FilmMarkResidual mark{.name = marks[i].name, .is_used = used[i] != 0, .coordinates = marks[i].coordinates};
+    mark.residual_px = misfit_of(fit.transformation, marks[i]);
     if (mark.is_used) {
-      const auto design = e.design.middleRows<2>(row);
-      const Matrix2d redundancy = Matrix2d::Identity() - design * inverse * design.transpose();
-      const Vector2d whitened = e.residual.segment<2>(row);
-      // Back in pixels: P v and P Qv P of the mark.
-      const Vector2d weighted = whitener[i].transpose() * whitened;
-      const Matrix2d of_weighted = whitener[i].transpose() * redundancy * whitener[i];
-      for (int k = 0; k < 2; ++k) {
-        mark.redundancy[k] = (whitener[i].inverse() * redundancy * whitener[i])(k, k);
-        if (of_weighted(k, k) > 1e-12 * (whitener[i].transpose() * whitener[i])(k, k) && scale > 0)
-          mark.w[k] = weighted[k] / std::sqrt(of_weighted(k, k)) / scale;
-      }
+      const Eigen::Index count = whitener[i].rows();
+      const auto design = e.design.middleRows(row, count);
+      const MatrixXd redundancy = MatrixXd::Identity(count, count) - design * inverse * design.transpose();
+      const VectorXd whitened = e.residual.segment(row, count);
+      judge_used(mark, whitener[i], whitened, redundancy, scale);
       mark.misread_chance = misread_chance(whitened, redundancy, fit.squares, fit.redundancy, options.sigmas_are_known);
-      row += 2;
+      row += count;
     }
     fit.marks.push_back(mark);
   }
@@ -283,18 +352,18 @@ void judge(FilmFit& fit, std::span<const FilmMark> marks, const Used& used, cons
 std::optional<FilmFit> fit_used(std::span<const FilmMark> marks, const Used& used, FilmModel model,
                                 const FilmFitOptions& options) {
   const int parameters = parameter_count(model);
-  const auto rows = 2 * std::count(used.begin(), used.end(), char{1});
+  const Eigen::Index rows = rows_of(marks, used);
   if (rows < parameters || (model == FilmModel::kRigid && !options.pixel_mm)) return std::nullopt;
   const auto straight = similarity_of(marks, used, false), mirrored = similarity_of(marks, used, true);
   if (!straight || !mirrored) return std::nullopt;
   const FilmTransformation& start = (mirrored->second < straight->second ? mirrored : straight)->first;
-  const auto whitener = whiteners(marks, start.parameters[kScaleX]);
-  if (!whitener) return std::nullopt;
   FilmFit fit{.transformation = started(start, model, options)};
   FilmTransformation& t = fit.transformation;
   for (int round = 0; round < 50; ++round) {
+    const auto whitener = whiteners(marks, t, start.parameters[kScaleX]);
+    if (!whitener) return std::nullopt;
     const Equations e = equations(t, marks, used, *whitener);
-    const auto inverse = inverse_normals(e.design);
+    const auto inverse = inverse_normals(e);
     if (!inverse) return std::nullopt;
     const VectorXd step = *inverse * (e.design.transpose() * e.residual);
     if (!step.allFinite()) return std::nullopt;

@@ -71,6 +71,12 @@ struct FilmTransformation {
 /// columns of the scan are then the x axis of the film; its rotation on the scanner becomes part of kappa (Karfis 1.3).
 [[nodiscard]] FilmTransformation without_marks(const Eigen::Vector2d& origin_pixel, double pixel_mm);
 
+/// Which film coordinates of a mark the calibration defines. An edge of the frame that runs along y has x alone.
+enum class MarkCoordinates { kBoth, kX, kY };
+[[nodiscard]] constexpr int count_of(MarkCoordinates coordinates) {
+  return coordinates == MarkCoordinates::kBoth ? 2 : 1;
+}
+
 /// A fiducial mark: where the calibration has it and where it was measured.
 struct FilmMark {
   std::string name;
@@ -78,6 +84,7 @@ struct FilmMark {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< of the pixel [px^2]
   double calibration_sigma_mm = 0;                           ///< of film_mm, each coordinate
+  MarkCoordinates coordinates = MarkCoordinates::kBoth;      ///< the other of film_mm is about where the mark is
 };
 
 /// What the fit says of a mark.
@@ -88,6 +95,7 @@ struct FilmMarkResidual {
   Eigen::Vector2d redundancy = Eigen::Vector2d::Zero();
   double misread_chance = 1;  ///< of such residuals of a good mark: chi-squared or F test of both coordinates
   bool is_used = true;        ///< false: rejected as misread; the residual is that of a check
+  MarkCoordinates coordinates = MarkCoordinates::kBoth;  ///< one: the residual is across that line of the film alone
 };
 
 struct FilmFitOptions {
@@ -110,6 +118,12 @@ struct FilmFit {
 /// defects are those of the marks: fewer coordinates than parameters, all marks on a line (two scales and more), three
 /// of four on one (projective), no size of a pixel (rigid). Then nothing. Whether the scan is mirrored is found by the
 /// similarity that fits better.
+///
+/// A mark of one coordinate gives one equation. With u the coordinate that it lacks and n the unit vector across
+/// dpixel/du, n' (pixel - pixel_of(film)) is left of it, film with the u that the pixel itself tells: u as an unknown
+/// of its own, eliminated. Its variance is n' C n and the calibration's of its coordinate. The w of its one coordinate
+/// stands at the pixel axis nearer to n, its redundancy is shared out as n_x^2 and n_y^2. Marks in the middle of four
+/// sides that give one coordinate each determine shift and rotation with one redundant equation, but no scale.
 [[nodiscard]] std::optional<FilmFit> fit_film(std::span<const FilmMark> marks, FilmModel model,
                                               const FilmFitOptions& options);
 

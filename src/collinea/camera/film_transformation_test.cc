@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
+#include <Eigen/Dense>
 #include <cmath>
 
 #include "collinea/math/random.h"
@@ -207,6 +207,102 @@ TEST(FilmTransformation, DeformationComesBackWithinItsSigma) {
     EXPECT_NEAR(d->pixel_y_um.value, 1000 / 79.98, 6 * d->pixel_y_um.sigma);
   }
   for (const double sum : {sum_difference, sum_shear, sum_x}) EXPECT_NEAR(sum / seeds, 1, 4 * std::sqrt(2.0 / seeds));
+}
+
+// Marks in the middle of the sides lack the coordinate along their side: their pixels run along it as they like.
+std::vector<FilmMark> side_marks_of_one(const FilmTransformation& t, double sigma_px, Random& random) {
+  auto marks = marks_of(t, sigma_px, random);
+  for (std::size_t i = 4; i < 8; ++i) {
+    marks[i].coordinates = i < 6 ? MarkCoordinates::kX : MarkCoordinates::kY;
+    const Vector2d along = t.by_film(marks[i].film_mm).col(i < 6 ? 1 : 0);
+    marks[i].pixel += random.uniform(-3, 3) * along;
+  }
+  return marks;
+}
+
+TEST(FilmTransformation, MarksOfOneCoordinateGiveOneEquation) {
+  Random random(4);
+  for (const FilmModel model : kModels)
+    for (const bool mirrored : {false, true}) {
+      FilmTransformation truth = example(model);
+      truth.is_mirrored = mirrored;
+      const auto fit = fit_film(side_marks_of_one(truth, 0, random), model, {.pixel_mm = 1 / 80.0});
+      ASSERT_TRUE(fit) << word_of(model);
+      EXPECT_LT((fit->transformation.parameters - truth.parameters).norm(), 1e-6) << word_of(model);
+      EXPECT_EQ(fit->redundancy, 12 - parameter_count(model));
+      double redundancy = 0;
+      for (const auto& mark : fit->marks) redundancy += mark.redundancy.sum();
+      EXPECT_NEAR(redundancy, fit->redundancy, 1e-9);
+      EXPECT_EQ(fit->marks[4].coordinates, MarkCoordinates::kX);
+    }
+}
+
+// e' C^-1 e of p parameters with known sigmas is chi-squared with p degrees of freedom, v' P v with 12 - p; means of n.
+// The calibration of these marks errs, too, along the coordinate that they have.
+TEST(FilmTransformation, CovarianceWithMarksOfOneCoordinateIsThatOfTheErrors) {
+  constexpr int kTrials = 800;
+  constexpr double kSigma_px = 0.4, kCalibration_mm = 0.004;
+  for (const FilmModel model : kModels) {
+    const FilmTransformation truth = example(model);
+    const int parameters = parameter_count(model);
+    double errors = 0, squares = 0, w2 = 0;
+    for (std::uint64_t trial = 1; trial <= kTrials; ++trial) {
+      Random random(trial, 3);
+      auto marks = side_marks_of_one(truth, kSigma_px, random);
+      for (FilmMark& mark : marks) {
+        mark.calibration_sigma_mm = kCalibration_mm;
+        mark.film_mm += kCalibration_mm * Vector2d(random.normal(), random.normal());
+        if (mark.coordinates == MarkCoordinates::kX) mark.film_mm.y() += random.uniform(-2, 2);  // about where it is
+      }
+      const auto fit =
+          fit_film(marks, model, {.sigmas_are_known = true, .reject_misread = false, .pixel_mm = 1 / 80.0});
+      ASSERT_TRUE(fit);
+      const Eigen::VectorXd e = fit->transformation.parameters - truth.parameters;
+      errors += e.dot(fit->transformation.covariance.ldlt().solve(e));
+      squares += fit->squares;
+      w2 += fit->marks[6].w.squaredNorm();  // one coordinate: one w
+    }
+    EXPECT_NEAR(errors / kTrials, parameters, 4 * std::sqrt(2.0 * parameters / kTrials)) << word_of(model);
+    EXPECT_NEAR(squares / kTrials, 12 - parameters, 4 * std::sqrt(2.0 * (12 - parameters) / kTrials)) << word_of(model);
+    EXPECT_NEAR(w2 / kTrials, 1, 4 * std::sqrt(2.0 / kTrials)) << word_of(model);
+  }
+}
+
+// Four frame edges in the middle of the sides: left and right have x, above and below y, or the other way round.
+TEST(FilmTransformation, FourMarksOfOneCoordinateDetermineNoScale) {
+  Random random(2);
+  const FilmTransformation truth = example(FilmModel::kRigid);
+  const auto all = marks_of(truth, 0, random);
+  std::vector<FilmMark> along(all.begin() + 4, all.end()), across = along;
+  for (std::size_t i = 0; i < 4; ++i) {
+    along[i].coordinates = i < 2 ? MarkCoordinates::kY : MarkCoordinates::kX;   // they tell the rotation
+    across[i].coordinates = i < 2 ? MarkCoordinates::kX : MarkCoordinates::kY;  // they tell scales, no rotation
+  }
+  const auto rigid = fit_film(along, FilmModel::kRigid, {.pixel_mm = 1 / 80.0});
+  ASSERT_TRUE(rigid);
+  EXPECT_EQ(rigid->redundancy, 1);
+  EXPECT_LT((rigid->transformation.parameters - truth.parameters).norm(), 1e-6);
+  EXPECT_FALSE(fit_film(along, FilmModel::kSimilarity, {}));
+  EXPECT_FALSE(fit_film(across, FilmModel::kRigid, {.pixel_mm = 1 / 80.0}));
+  EXPECT_FALSE(fit_film(across, FilmModel::kSimilarity, {}));
+  EXPECT_FALSE(fit_film(along, FilmModel::kAffine, {}));
+}
+
+// One that is misread across its line is named, whatever it does along it.
+TEST(FilmTransformation, AMisreadMarkOfOneCoordinateIsNamed) {
+  int named = 0, others = 0;
+  for (std::uint64_t trial = 1; trial <= 100; ++trial) {
+    Random random(trial, 8);
+    const FilmTransformation truth = example(FilmModel::kAffine);
+    auto marks = side_marks_of_one(truth, 0.2, random);
+    marks[5].pixel += 6 * truth.by_film(marks[5].film_mm).col(0).normalized();
+    const auto fit = fit_film(marks, FilmModel::kAffine, {.sigmas_are_known = true});
+    ASSERT_TRUE(fit);
+    for (std::size_t i = 0; i < 8; ++i) (i == 5 ? named : others) += !fit->marks[i].is_used;
+  }
+  // 6 px are at least 15 sigmas of its residual: beyond the limit always. Others: the level is 0.001 a scan.
+  EXPECT_EQ(named, 100);
+  EXPECT_LE(others, 2);
 }
 
 }  // namespace

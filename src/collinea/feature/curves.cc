@@ -59,23 +59,32 @@ void fourier(std::vector<std::complex<double>>& z, double sign) {
       }
 }
 
-// A parabola across the chord of some neighbours of a point: direction and curvature there.
-PsiS local_shape(const std::vector<Vector2d>& near, const Vector2d& at) {
-  const Vector2d along = (near.back() - near.front()).normalized(), across(-along.y(), along.x());
+// A parabola across the chord of some neighbours of a point, whose numbers these are: direction and curvature there.
+PsiS local_shape(std::span<const Vector2d> curve, const std::vector<std::size_t>& near, const Vector2d& at,
+                 const AcrossCovariance& covariance) {
+  const Vector2d along = (curve[near.back()] - curve[near.front()]).normalized(), across(-along.y(), along.x());
   Eigen::MatrixXd a(Eigen::Index(near.size()), 3);
   Eigen::VectorXd v(a.rows());
   for (std::size_t i = 0; i < near.size(); ++i) {
-    const double u = along.dot(near[i] - at);
+    const double u = along.dot(curve[near[i]] - at);
     a.row(Eigen::Index(i)) << 1, u, u * u;
-    v[Eigen::Index(i)] = across.dot(near[i] - at);
+    v[Eigen::Index(i)] = across.dot(curve[near[i]] - at);
   }
   const Eigen::Matrix3d inverse = (a.transpose() * a).inverse();
   const Eigen::Vector3d c = inverse * (a.transpose() * v);
+  Eigen::Matrix3d spread = inverse;
+  if (covariance) {
+    Eigen::MatrixXd errors(a.rows(), a.rows());
+    for (Eigen::Index i = 0; i < a.rows(); ++i)
+      for (Eigen::Index k = 0; k < a.rows(); ++k) errors(i, k) = covariance(near[std::size_t(i)], near[std::size_t(k)]);
+    spread = inverse * (a.transpose() * errors * a) * inverse;
+  }
   const double root = 1 + c[1] * c[1];
   PsiS out;
   out.psi_rad = std::atan2(along.y(), along.x()) + std::atan(c[1]);
   out.curvature_per_px = 2 * c[2] / std::pow(root, 1.5);
-  out.sigma_curvature = 2 * std::sqrt(std::max(0.0, inverse(2, 2))) / std::pow(root, 1.5);
+  out.sigma_curvature = 2 * std::sqrt(std::max(0.0, spread(2, 2))) / std::pow(root, 1.5);
+  out.sigma_psi_rad = std::sqrt(std::max(0.0, spread(1, 1))) / root;
   return out;
 }
 
@@ -178,12 +187,14 @@ Curve curve_of(const ChainCode& code) {
   return out;
 }
 
-std::vector<PsiS> psi_s(std::span<const Vector2d> curve, bool is_closed, double window_px) {
+std::vector<PsiS> psi_s(std::span<const Vector2d> curve, bool is_closed, double window_px,
+                        const AcrossCovariance& covariance) {
   const int n = int(curve.size());
   if (n < 5) return {};
   std::vector<PsiS> out;
   double s = 0;
-  const auto at = [&](int i) { return curve[std::size_t((i % n + n) % n)]; };
+  const auto number = [&](int i) { return std::size_t((i % n + n) % n); };
+  const auto at = [&](int i) { return curve[number(i)]; };
   // How many points further in one direction: as far as the window reaches, two at least, not beyond an end.
   const auto reach = [&](int from, int sense) {
     int steps = 0;
@@ -197,14 +208,14 @@ std::vector<PsiS> psi_s(std::span<const Vector2d> curve, bool is_closed, double 
   };
   for (int i = 0; i < n; ++i) {
     if (i > 0) s += (at(i) - at(i - 1)).norm();
-    std::vector<Vector2d> near;
+    std::vector<std::size_t> near;
     int before = reach(i, -1), behind = reach(i, +1);
     if (before + behind < 2) {
       before = std::min(i, 2);
       behind = std::min(n - 1 - i, 2);
     }
-    for (int k = i - before; k <= i + behind; ++k) near.push_back(at(k));
-    PsiS point = local_shape(near, at(i));
+    for (int k = i - before; k <= i + behind; ++k) near.push_back(number(k));
+    PsiS point = local_shape(curve, near, at(i), covariance);
     point.s_px = s;
     if (!out.empty()) point.psi_rad = out.back().psi_rad + std::remainder(point.psi_rad - out.back().psi_rad, kTurn);
     out.push_back(point);

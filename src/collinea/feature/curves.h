@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <complex>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -41,12 +42,18 @@ struct PsiS {
   double s_px = 0;
   double psi_rad = 0;           ///< from x to y, continuous: it goes on beyond a turn
   double curvature_per_px = 0;  ///< d psi / d s, positive to the right (towards y from x)
-  double sigma_curvature = 0;   ///< for errors of 1 px across the curve in each point, independent
+  double sigma_curvature = 0;   ///< for errors of 1 px across the curve in each point, independent, or as given
+  double sigma_psi_rad = 0;     ///< for the same errors
 };
+/// Covariance [px^2] of the errors across a curve of two of its points, by their numbers.
+using AcrossCovariance = std::function<double(std::size_t, std::size_t)>;
+
 /// By a parabola through the points within `window_px` along the curve on either side (at least two of them on each; at
 /// the ends of an open curve fewer), that is kappa = y'' / (1 + y'^2)^(3/2) in the frame of the chord. Empty: fewer
-/// than five points.
-[[nodiscard]] std::vector<PsiS> psi_s(std::span<const Eigen::Vector2d> curve, bool is_closed, double window_px);
+/// than five points. With the parabola y = A c of points whose errors have the covariance C (no covariance: 1), cov(c)
+/// = N^-1 A' C A N^-1, N = A' A, sigma of psi that of y' over 1 + y'^2, of kappa that of y'' over (1 + y'^2)^(3/2).
+[[nodiscard]] std::vector<PsiS> psi_s(std::span<const Eigen::Vector2d> curve, bool is_closed, double window_px,
+                                      const AcrossCovariance& covariance = {});
 
 /// Fourier descriptors of a curve z = x + iy, resampled to a power of two N >= 2 `harmonics`: z(k) = sum c_n exp(2 pi i
 /// n k / N). An open curve is followed back (its descriptors are those of a closed curve of twice the length).

@@ -207,14 +207,21 @@ std::optional<FilmTransformation> similarity_of(const FilmMark& a, const FilmMar
   return t;
 }
 
+// How far a candidate is from its mark [px]; of a mark of one coordinate from its line.
+double distance_of(const Candidate& candidate, const CalibratedMark& mark, const FilmTransformation& t) {
+  const Vector2d off = candidate.found.pixel - t.pixel_of(mark.film_mm);
+  if (mark.coordinates == MarkCoordinates::kBoth) return off.norm();
+  const Vector2d along = t.by_film(mark.film_mm).col(mark.coordinates == MarkCoordinates::kX ? 1 : 0).normalized();
+  return std::abs(along.x() * off.y() - along.y() * off.x());
+}
+
 // Of each mark the candidate that a similarity predicts, within 0.2 mm; and the sum of their correlations.
 std::pair<double, std::vector<const Candidate*>> agreeing(const FilmTransformation& t,
                                                           const FilmCalibration& calibration,
                                                           const std::vector<Candidate>& candidates) {
   std::vector<const Candidate*> best(calibration.marks.size(), nullptr);
   for (const Candidate& candidate : candidates) {
-    const Vector2d off = candidate.found.pixel - t.pixel_of(calibration.marks[candidate.mark].film_mm);
-    if (off.norm() > 0.2 * t.parameters[3]) continue;
+    if (distance_of(candidate, calibration.marks[candidate.mark], t) > 0.2 * t.parameters[3]) continue;
     const Candidate*& kept = best[candidate.mark];
     if (!kept || std::abs(candidate.found.correlation) > std::abs(kept->found.correlation)) kept = &candidate;
   }

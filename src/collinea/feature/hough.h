@@ -86,6 +86,11 @@ struct ShapeSearch {
   std::vector<double> scales = {1};
   double least_share = 0.5;  ///< of the shape's points must be found
 };
+/// Rotations of -largest .. largest [rad] (beyond half a turn: all) and scales of smallest .. largest, both included,
+/// so near to each other that between two of them no point of the shape moves by more than 4 px, twice a cell of the
+/// votes. One of each where the range is none. The scales grow by one factor: half and twice the size are as far away.
+[[nodiscard]] ShapeSearch shape_search(const ShapeTable& shape, double largest_rotation_rad, double smallest_scale,
+                                       double largest_scale);
 
 struct FoundShape {
   Eigen::Vector2d at = {};  ///< of the reference point [px]
@@ -96,7 +101,9 @@ struct FoundShape {
   EdgeFitQuality quality;
 };
 /// Where a shape is, adjusted over the edge points that are within the tolerance of it; its own points are taken as
-/// exact. Best first.
+/// exact. Best first, one at each position. None: fewer than the least share of its points have edge points, and what
+/// the adjustment takes beyond the rotations and scales searched, by more than a step between them. A shape
+/// whose normals all point to its reference point (a disc) determines no rotation: none where rotations are searched.
 [[nodiscard]] std::vector<FoundShape> hough_shapes(const EdgePoints& edges, const ShapeTable& shape,
                                                    const ShapeSearch& search, const HoughOptions& options);
 

@@ -13,10 +13,13 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
 constexpr double kTurn = 2 * std::numbers::pi;
-constexpr double kCell = 2;            // of the votes [px]
+constexpr double kCell = 2;  // of the votes [px]
+constexpr double kStep = 4;  // by which a point of the shape moves from one rotation or scale to the next [px]
 constexpr double kNormalCosine = 0.9;  // between the gradients of the shape and of the image
 constexpr int kPeaksOfOne = 5;         // looked at of each rotation and scale
 constexpr int kIterations = 15;
+constexpr double kLeastVotes = 0.5;   // of those that the least share of the shape would make
+constexpr double kLeastLever = 0.05;  // of rotation; the normals of edge points are not better than that [rad]
 
 Matrix2d turned(double angle_rad) {
   Matrix2d out;
@@ -31,7 +34,7 @@ struct Candidate {
 
 // Where the reference point may be, for one rotation and scale.
 void add_candidates(const EdgePoints& edges, const ShapeTable& shape, double rotation_rad, double scale,
-                    std::vector<Candidate>& out) {
+                    double least_votes, std::vector<Candidate>& out) {
   Raster<float> votes(int(edges.width / kCell) + 1, int(edges.height / kCell) + 1);
   const Matrix2d turn = scale * turned(rotation_rad);
   for (const EdgePoint& p : edges.points)
@@ -52,8 +55,8 @@ void add_candidates(const EdgePoints& edges, const ShapeTable& shape, double rot
         bx = x;
         by = y;
       }
-    if (best.votes <= 0) return;
     best.votes /= scale;
+    if (!(best.votes >= least_votes)) return;
     out.push_back(best);
     for (int d = 0; d < 25; ++d)
       if (const int x = bx + d % 5 - 2, y = by + d / 5 - 2; x >= 0 && y >= 0 && x < votes.width && y < votes.height)
@@ -92,8 +95,19 @@ class Nearest {
   Raster<std::uint32_t> cells_;
 };
 
+// What is adjusted, and how far: a step beyond what was searched, else a shape shrinks onto a single edge.
 struct Unknowns {
   bool rotation = false, scale = false;
+  double smallest_scale = 1, largest_scale = 1;
+
+  explicit Unknowns(const ShapeSearch& search)
+      : rotation(search.rotations_rad.size() > 1), scale(search.scales.size() > 1) {
+    if (!scale) return;
+    const auto [low, high] = std::minmax_element(search.scales.begin(), search.scales.end());
+    const double step = std::pow(*high / *low, 1 / double(search.scales.size() - 1));
+    smallest_scale = *low / step;
+    largest_scale = *high * step;
+  }
   [[nodiscard]] int count() const { return 2 + rotation + scale; }
 };
 
@@ -121,6 +135,11 @@ std::optional<EdgeStep> step_of(const Nearest& nearest, const ShapeTable& shape,
     if (unknowns.rotation) design(row, k++) = n.dot(Vector2d(-offsets[i].y(), offsets[i].x()));
     if (unknowns.scale) design(row, k++) = n.dot(offsets[i]) / found.scale;
   }
+  if (unknowns.rotation) {
+    double reach = 0;
+    for (const Vector2d& offset : offsets) reach += offset.squaredNorm();
+    if (!(design.col(2).squaredNorm() > kLeastLever * kLeastLever * reach)) return std::nullopt;
+  }
   return adjust_edge_points(points, along_px, design, misclosure);
 }
 
@@ -135,7 +154,9 @@ std::optional<FoundShape> adjusted(const EdgePoints& edges, const Nearest& neare
     int k = 2;
     if (unknowns.rotation) found.rotation_rad += step->correction[k++];
     if (unknowns.scale) found.scale += step->correction[k++];
-    if (!(found.scale > 0) || (found.at - start.at).norm() > 0.5 * shape.radius_px() + 10) return std::nullopt;
+    if (unknowns.scale && !(found.scale >= unknowns.smallest_scale && found.scale <= unknowns.largest_scale))
+      return std::nullopt;
+    if ((found.at - start.at).norm() > 0.5 * shape.radius_px() + 10) return std::nullopt;
     found.covariance = step->covariance;
     found.quality = step->quality;
     if (iteration > 5 && step->correction.norm() < 1e-6) break;
@@ -164,16 +185,39 @@ std::span<const std::size_t> ShapeTable::at_direction(double angle_rad) const {
   return bins_[std::size_t((bin + 2 * kBins) % kBins)];
 }
 
+ShapeSearch shape_search(const ShapeTable& shape, double largest_rotation_rad, double smallest_scale,
+                         double largest_scale) {
+  ShapeSearch out;
+  const double radius = std::max(shape.radius_px() * largest_scale, 1.0);
+  if (largest_rotation_rad > 0) {
+    const double largest = std::min(largest_rotation_rad, kTurn / 2);
+    const int steps = std::max(1, int(std::ceil(largest * radius / kStep)));
+    out.rotations_rad.clear();
+    for (int k = -steps; k <= steps; ++k) out.rotations_rad.push_back(largest * k / steps);
+    if (largest == kTurn / 2) out.rotations_rad.pop_back();  // the same as the first
+  }
+  if (largest_scale > smallest_scale) {
+    const double range = std::log(largest_scale / smallest_scale);
+    const int steps = std::max(1, int(std::ceil(range / std::log1p(kStep / radius))));
+    out.scales.clear();
+    for (int k = 0; k <= steps; ++k) out.scales.push_back(smallest_scale * std::exp(range * k / steps));
+  } else {
+    out.scales = {smallest_scale};
+  }
+  return out;
+}
+
 std::vector<FoundShape> hough_shapes(const EdgePoints& edges, const ShapeTable& shape, const ShapeSearch& search,
                                      const HoughOptions& options) {
   std::vector<Candidate> candidates;
+  const double least_votes = std::max(1.0, kLeastVotes * search.least_share * double(shape.entries().size()));
   for (const double rotation : search.rotations_rad)
-    for (const double scale : search.scales) add_candidates(edges, shape, rotation, scale, candidates);
+    for (const double scale : search.scales) add_candidates(edges, shape, rotation, scale, least_votes, candidates);
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.votes > b.votes; });
   if (candidates.size() > std::size_t(5 * options.most)) candidates.resize(std::size_t(5 * options.most));
   const Nearest nearest(edges);
-  const Unknowns unknowns{search.rotations_rad.size() > 1, search.scales.size() > 1};
+  const Unknowns unknowns(search);
   std::vector<FoundShape> out;
   for (const Candidate& candidate : candidates) {
     auto found = adjusted(edges, nearest, shape, candidate, unknowns, options.tolerance_px);

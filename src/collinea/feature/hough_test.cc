@@ -130,6 +130,87 @@ TEST(HoughShapes, FindsATurnedAndScaledShape) {
   EXPECT_FALSE(ShapeTable::create({}, {0, 0}));
 }
 
+// A drop whose edge points are exact, from the formula of its two discs (those of one that lie in the other left out).
+std::vector<EdgePoint> drop_points(double large_px, double small_px, double apart_px) {
+  std::vector<EdgePoint> points;
+  const auto add = [&](const Vector2d& c, double radius, const Vector2d& other, double other_radius) {
+    const int count = int(2 * std::numbers::pi * radius);
+    for (int k = 0; k < count; ++k) {
+      const double angle = 2 * std::numbers::pi * k / count;
+      const Vector2d out(std::cos(angle), std::sin(angle)), at = c + radius * out;
+      if ((at - other).norm() > other_radius + 2) points.push_back({.at = at, .normal = -out, .sigma_px = 1});
+    }
+  };
+  add({0, 0}, large_px, {apart_px, 0}, small_px);
+  add({apart_px, 0}, small_px, {0, 0}, large_px);
+  return points;
+}
+
+// x, y, rotation and scale, without knowing any: e' C^-1 e has four degrees of freedom, its mean over n is 4 with a
+// standard deviation of sqrt(8 / n). The table is that of the shape without noise: smoothing moves edges of curvature k
+// by some k / 2 px, which then is in the table, too, but for the change of k with a scale of 0.93 to 1.07 (0.003 px).
+TEST(HoughShapes, CovarianceWithRotationAndScaleIsThatOfTheErrors) {
+  constexpr int kScenes = 60;
+  const auto drop = [](const Vector2d& at, double angle, double scale) {
+    const Vector2d beside = at + 24 * scale * Vector2d(std::cos(angle), std::sin(angle));
+    return [=](const Vector2d& p) { return std::max(disc(at, 20 * scale, 0.7)(p), disc(beside, 11 * scale, 0.7)(p)); };
+  };
+  const EdgeMap map = edges_of(render_shape(125, 115, drop({60, 55}, 0.3, 1)), 1);
+  const auto table = ShapeTable::create(map.points, {60, 55});
+  ASSERT_TRUE(table);
+  double sum = 0;
+  for (std::uint64_t seed = 1; seed <= kScenes; ++seed) {
+    Random random(seed, 9);
+    const double angle = random.uniform(-0.25, 0.25), scale = random.uniform(0.93, 1.07);
+    const Vector2d at(60 + random.uniform(), 55 + random.uniform());
+    const EdgeMap scene = edges_of(render_shape(125, 115, drop(at, 0.3 + angle, scale), 12, seed), 12);
+    const auto found = hough_shapes(edge_points_of(scene), *table, shape_search(*table, 0.3, 0.9, 1.1), {.most = 1});
+    ASSERT_GE(found.size(), 1u) << seed;
+    ASSERT_EQ(found[0].covariance.rows(), 4);
+    Eigen::Vector4d error;
+    error << found[0].at - at, found[0].rotation_rad - angle, found[0].scale - scale;
+    sum += error.dot(found[0].covariance.inverse() * error);
+  }
+  EXPECT_NEAR(sum / kScenes, 4, 4 * std::sqrt(8.0 / kScenes));
+}
+
+TEST(HoughShapes, SearchLeavesNoGapAndNoOtherScale) {
+  const auto table = ShapeTable::create(drop_points(30, 16, 36), {0, 0});
+  ASSERT_TRUE(table);
+  const ShapeSearch search = shape_search(*table, 4, 0.5, 2);  // more than half a turn: all
+  EXPECT_DOUBLE_EQ(search.rotations_rad.front(), -std::numbers::pi);
+  EXPECT_DOUBLE_EQ(search.scales.front(), 0.5);
+  EXPECT_NEAR(search.scales.back(), 2, 1e-12);
+  const double radius = table->radius_px();
+  for (std::size_t i = 1; i < search.scales.size(); ++i)
+    EXPECT_LE(radius * (search.scales[i] - search.scales[i - 1]), 4 + 1e-9);
+  for (std::size_t i = 1; i < search.rotations_rad.size(); ++i)
+    EXPECT_LE(2 * radius * (search.rotations_rad[i] - search.rotations_rad[i - 1]), 4 + 1e-9);
+  const ShapeSearch known = shape_search(*table, 0, 1.2, 1.2);
+  EXPECT_EQ(known.rotations_rad, std::vector<double>{0});
+  EXPECT_EQ(known.scales, std::vector<double>{1.2});
+  // A shape of another size than was searched is none of it.
+  const auto scene = [](const Vector2d& p) {
+    return std::max(disc({90, 85}, 42, 0.7)(p), disc({90 + 50.4, 85}, 22.4, 0.7)(p));
+  };
+  const EdgeMap map = edges_of(render_shape(190, 170, scene, 2), 2);
+  for (const FoundShape& found : hough_shapes(edge_points_of(map), *table, shape_search(*table, 0, 0.8, 1.1), {}))
+    EXPECT_LE(found.scale, 1.1 * (1 + 4 / radius));
+  const auto right = hough_shapes(edge_points_of(map), *table, shape_search(*table, 0, 0.8, 1.5), {});
+  ASSERT_GE(right.size(), 1u);
+  EXPECT_NEAR(right[0].scale, 1.4, 0.01);
+  // Rotation of a disc is not determined.
+  std::vector<EdgePoint> round;
+  for (int k = 0; k < 120; ++k) {
+    const Vector2d out(std::cos(k * std::numbers::pi / 60), std::sin(k * std::numbers::pi / 60));
+    round.push_back({.at = 20 * out, .normal = -out, .sigma_px = 1});
+  }
+  const auto circle = ShapeTable::create(round, {0, 0});
+  const EdgeMap of_disc = edges_of(render_shape(80, 80, disc({40, 40}, 20, 0.7), 2), 2);
+  EXPECT_TRUE(hough_shapes(edge_points_of(of_disc), *circle, shape_search(*circle, 0.5, 1, 1), {}).empty());
+  EXPECT_EQ(hough_shapes(edge_points_of(of_disc), *circle, shape_search(*circle, 0, 0.8, 1.2), {}).size(), 1u);
+}
+
 TEST(EdgeFits, RefuseWhatDeterminesNothing) {
   EXPECT_FALSE(fit_line({}, 1));
   std::vector<EdgePoint> same(6, EdgePoint{{3, 4}, {1, 0}, 10, 0.1});

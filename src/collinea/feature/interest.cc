@@ -423,6 +423,7 @@ InterestPoints find_interest_points(const GreyImage& image, const FloatImage& ma
     }
     InterestPoint point{.position_px = {m.column + 0.5, m.row + 0.5}, .strength = m.value, .scale_px = o.sigma_px};
     if (location != SubPixel::kNone) point.position_px += paraboloid.top();
+    if (location == SubPixel::kParaboloid) point.pixel = m;
     if (has_covariance(location)) {
       const auto better = located(image, point, o, out.noise_grey);
       if (!better) {

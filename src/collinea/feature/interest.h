@@ -98,9 +98,10 @@ struct InterestPoint {
   Eigen::Vector2d position_px;
   double strength = 0;                                 ///< the response of the operator
   double scale_px = 0;                                 ///< standard deviation of the window or blur
-  std::optional<Eigen::Matrix2d> covariance_px2 = {};  ///< by least squares: from the noise of the pixels
-  double roundness = 0;                                ///< with covariance: 4 det / trace^2 of the gradients
-  bool is_circle = false;                              ///< with covariance: centre of a blob or ring, not a corner
+  std::optional<Eigen::Matrix2d> covariance_px2 = {};  ///< from the noise of the pixels; of the paraboloid see below
+  double roundness = 0;                                ///< by least squares: 4 det / trace^2 of the gradients
+  bool is_circle = false;                              ///< by least squares: centre of a blob or ring, not a corner
+  std::optional<MapPixel> pixel = {};                  ///< whose paraboloid it is the top of: interest_covariance.h
 };
 
 /// The responses at all pixels (the "corner map"), for one core at some 100 megapixels a second (Harris, bench/). With

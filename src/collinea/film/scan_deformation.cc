@@ -14,7 +14,7 @@ FilmPrior prior_of(const ScanOrientation& scan, const IdealImage& ideal) {
   const FilmTransformation& scan_from_film = scan.scan_from_film();
   if (scan_from_film.model != FilmModel::kAffine) return prior;
   for (const FilmMarkResidual& mark : scan.choice.fit.marks) {
-    if (!mark.is_used) continue;
+    if (!mark.is_used || mark.coordinates != MarkCoordinates::kBoth) continue;
     for (const CalibratedMark& known : ideal.calibration.marks) {
       if (known.name != mark.name) continue;
       const Eigen::Vector2d film_mm =

@@ -42,7 +42,7 @@ double ScanOrientation::rms_mm() const {
   for (const FilmMarkResidual& mark : choice.fit.marks) {
     if (!mark.is_used) continue;
     squares += mark.residual_px.squaredNorm();
-    count += 2;
+    count += count_of(mark.coordinates);
   }
   return count > 0 ? pixel_mm() * std::sqrt(squares / count) : 0;
 }
@@ -89,16 +89,19 @@ Result<ScanOrientation> orient_scan(const std::filesystem::path& file, const Mar
 Result<ScanOrientation> oriented_scan(const FilmCalibration& calibration, const ScanMarks& found) {
   std::vector<FilmMark> marks;
   double variance_px2 = 0, variance_mm2 = 0;
+  int coordinates = 0;
   for (const MarkReading& read : found.marks)
     for (const CalibratedMark& known : calibration.marks)
       if (known.name == read.mark) {
-        marks.push_back({.name = read.mark, .film_mm = known.film_mm, .pixel = read.position});
+        marks.push_back(
+            {.name = read.mark, .film_mm = known.film_mm, .pixel = read.position, .coordinates = known.coordinates});
+        coordinates += count_of(known.coordinates);
         variance_px2 += read.sigma * read.sigma;
         variance_mm2 += known.sigma_mm * known.sigma_mm;
       }
   // Four marks leave an affine transformation two checks.
   auto choice = choose_film_model(marks, {});
-  if (choice && marks.size() >= 4)
+  if (choice && coordinates >= 8)
     if (auto affine = fit_film(marks, FilmModel::kAffine, {})) choice->fit = *std::move(affine);
   if (!choice)
     return fail(Errc::kIllPosed,

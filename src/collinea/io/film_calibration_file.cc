@@ -45,11 +45,22 @@ Result<std::vector<double>> positive(const Words& words, std::size_t least, std:
   return values;
 }
 
+// A coordinate in brackets is not defined: it says about where the mark is.
+bool is_in_brackets(std::string_view word) { return word.size() > 2 && word.front() == '(' && word.back() == ')'; }
+std::string_view without_brackets(std::string_view word) {
+  return is_in_brackets(word) ? word.substr(1, word.size() - 2) : word;
+}
+
 Result<> read_mark(const Words& words, Reading& reading) {
   if (words.size() < 4 || words.size() > 5)
     return fail(Errc::kBadFormat, "a mark has a name, x and y in mm, and a kind where it is known");
-  COLLINEA_TRY(const std::vector<double> at, numbers({words[0], words[2], words[3]}, 2, 2));
+  COLLINEA_TRY(const std::vector<double> at,
+               numbers({words[0], without_brackets(words[2]), without_brackets(words[3])}, 2, 2));
   CalibratedMark mark{.name = std::string(words[1]), .film_mm = {at[0], at[1]}, .sigma_mm = reading.mark_sigma_mm};
+  if (is_in_brackets(words[2]) && is_in_brackets(words[3]))
+    return fail(Errc::kBadFormat, fmt::format("mark {} has no coordinate that is defined", mark.name));
+  if (is_in_brackets(words[2])) mark.coordinates = MarkCoordinates::kY;
+  if (is_in_brackets(words[3])) mark.coordinates = MarkCoordinates::kX;
   if (words.size() == 5) {
     mark.kind = from_word<MarkKind>(words[4]);
     if (!mark.kind)
@@ -196,7 +207,12 @@ std::string text_of(const FilmCalibration& c) {
   for (const CalibratedMark& mark : c.marks) {
     if (mark.sigma_mm != sigma_mm && mark.sigma_mm > 0) line("mark_sigma_mm", {mark.sigma_mm});
     sigma_mm = mark.sigma_mm;
-    line("mark " + mark.name, {mark.film_mm.x(), mark.film_mm.y()}, mark.kind ? word_of(*mark.kind) : "");
+    const auto coordinate = [&](int axis, MarkCoordinates other) {
+      const std::string value = fmt::format("{:.10g}", mark.film_mm[axis]);
+      return mark.coordinates == other ? " (" + value + ")" : " " + value;
+    };
+    line("mark " + mark.name + coordinate(0, MarkCoordinates::kY) + coordinate(1, MarkCoordinates::kX), {},
+         mark.kind ? word_of(*mark.kind) : "");
   }
   return text;
 }

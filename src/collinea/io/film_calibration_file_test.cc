@@ -53,6 +53,26 @@ TEST(FilmCalibrationFile, WritesWhatItReads) {
   EXPECT_EQ(again->marks[2].sigma_mm, 0.002);
 }
 
+TEST(FilmCalibrationFile, CoordinatesInBracketsAreNotDefined) {
+  const auto c = parse_film_calibration(
+      "principal_distance_mm 152\nmark 1 -112.004 (0) notch\nmark 2 (0.5) 112.001\nmark 3 1 2\n");
+  ASSERT_TRUE(c) << c.error().message;
+  ASSERT_EQ(c->marks.size(), 3u);
+  EXPECT_EQ(c->marks[0].coordinates, MarkCoordinates::kX);
+  EXPECT_EQ(c->marks[0].film_mm, Eigen::Vector2d(-112.004, 0));
+  EXPECT_EQ(c->marks[1].coordinates, MarkCoordinates::kY);
+  EXPECT_EQ(c->marks[1].film_mm.x(), 0.5);
+  EXPECT_EQ(c->marks[2].coordinates, MarkCoordinates::kBoth);
+  const auto again = parse_film_calibration(text_of(*c));
+  ASSERT_TRUE(again) << again.error().message;
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(again->marks[i].coordinates, c->marks[i].coordinates);
+    EXPECT_EQ(again->marks[i].film_mm, c->marks[i].film_mm);
+  }
+  for (const char* bad : {"mark 1 (1) (2)", "mark 1 () 2", "mark 1 (1 2", "mark 1 (a) 2"})
+    EXPECT_NE(parse_film_calibration(bad).error().message.find("line 1"), std::string::npos) << bad;
+}
+
 TEST(FilmCalibrationFile, ATableOfTheDistortionIsMinusTheCorrection) {
   const auto c = parse_film_calibration(
       "principal_distance_mm 152\nradial_distortion_um 50 2\nradial_distortion_um 100 -3\nradial_distortion_um 140 1\n"

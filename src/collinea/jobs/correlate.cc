@@ -10,7 +10,10 @@
 #include "collinea/io/number_rows.h"
 #include "collinea/jobs/internal/drawing.h"
 #include "collinea/jobs/internal/out_folder.h"
+#include "collinea/match/neighbour_matching.h"
 #include "collinea/match/pair_points.h"
+#include "collinea/match/rank_covariance.h"
+#include "collinea/match/window_return.h"
 #include "collinea/math/median.h"
 #include "collinea/raster/geotiff.h"
 #include "collinea/raster/image_file.h"
@@ -88,19 +91,56 @@ std::vector<CorrelatedPoint> interest_points_of(const GreyImage& image, int most
   return points;
 }
 
-// The direction of the line of refine line, and whether options of the refinement mean anything.
-Result<Vector2d> line_of(const CorrelateOptions& options) {
-  if (!options.refine && options.window != WindowOptions{})
+// Lines of the refinement along a line: a direction, or of each point its epipolar line.
+struct Lines {
+  Vector2d direction{1, 0};
+  std::optional<Eigen::Matrix3d> fundamental = {};
+};
+
+Result<Eigen::Matrix3d> fundamental_of(const fs::path& file) {
+  const auto within = [&](Error error) { return std::move(error).within(file.string()).about("epipolar"_option); };
+  COLLINEA_TRY(const std::string text, read_file(file));
+  COLLINEA_TRY(const auto rows, parse_number_rows(text, false, 3, 3).map_error(within));
+  if (rows.size() != 3)
+    return tl::unexpected(within(Error{Errc::kBadFormat, "a fundamental matrix has three rows of three numbers"}));
+  Eigen::Matrix3d out;
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) out(i, k) = rows[std::size_t(i)].numbers[std::size_t(k)];
+  return out;
+}
+
+// Whether options of the refinement mean anything, and the lines of refine line.
+Result<Lines> lines_of(const CorrelateOptions& options) {
+  if (!options.refine && (options.window != WindowOptions{} || options.refine_return_px))
     return fail(Errc::kBadInput, "options of the refinement say nothing without it", {"refine"_option});
-  if (!options.line_px) return Vector2d(1, 0);
+  if (!options.line_px && !options.epipolar) return Lines{};
   if (options.refine != WindowModel::kLine)
-    return fail(Errc::kBadInput, "a line is given, and the refinement is not along a line",
-                {"line_px"_option, "refine"_option});
+    return fail(Errc::kBadInput, "lines are given, and the refinement is not along a line",
+                {options.line_px ? "line_px"_option : "epipolar"_option, "refine"_option});
+  if (options.line_px && options.epipolar)
+    return fail(Errc::kBadInput, "the lines are given twice", {"line_px"_option, "epipolar"_option});
+  if (options.epipolar) {
+    COLLINEA_TRY(const Eigen::Matrix3d fundamental, fundamental_of(*options.epipolar));
+    return Lines{{1, 0}, fundamental};
+  }
   const auto given = parse_numbers(*options.line_px);
   if (!given || given->size() != 2 || !(std::hypot((*given)[0], (*given)[1]) > 0))
     return fail(Errc::kBadInput, "the direction of the line is not two numbers with a comma between",
                 {"line_px"_option});
-  return Vector2d((*given)[0], (*given)[1]);
+  return Lines{{(*given)[0], (*given)[1]}};
+}
+
+// What a decision does not ask for says nothing beside it.
+Result<> check_decision(const CorrelateOptions& options) {
+  if (options.decision != PointDecision::kRelaxation) {
+    if (options.relaxation != RelaxationOptions{})
+      return fail(Errc::kBadInput, "options of the relaxation say nothing without it", {"decision"_option});
+    return {};
+  }
+  if (options.matching.return_px != AreaOptions{}.return_px)
+    return fail(Errc::kBadInput, "relaxation asks the neighbours of a point, not whether it comes back",
+                {"return_px"_option, "decision"_option});
+  return {};
 }
 
 Result<> check_sides(const CorrelateOptions& options) {
@@ -138,13 +178,66 @@ Result<> write_surface(const fs::path& folder, const GreyImage& left, const Grey
   return write_file(folder / "surface.svg", correlation_svg(surface, name));
 }
 
+// Matches every point by itself, or all of them together by what their neighbours match.
+void match_points(CorrelateReport& report, const GreyImage& left, const GreyImage& right,
+                  const CorrelateOptions& options, const Run& run) {
+  if (report.is_relaxed) {
+    std::vector<AreaPoint> points;
+    for (const CorrelatedPoint& point : report.points) points.push_back({point.left_px, point.expected_px});
+    const auto found = match_areas(left, right, points, options.matching, options.relaxation, run);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      report.points[i].outcome = found[i].outcome;
+      report.points[i].match = found[i].match;
+      report.points[i].candidates = found[i].candidates;
+      if (found[i].candidates > 0) report.points[i].probability = found[i].probability;
+    }
+    return;
+  }
+  parallel_for(run, report.points.size(), [&](std::size_t i) {
+    CorrelatedPoint& point = report.points[i];
+    AreaMatching matching = match_area(left, point.left_px, right, point.expected_px, options.matching);
+    add_rank_covariance(left, point.left_px, right, options.matching, matching);
+    point.outcome = matching.outcome;
+    point.match = matching.match;
+    point.candidates = matching.candidates.size();
+  });
+}
+
+// Along an epipolar line the window begins at the foot of what area matching found, and goes back along the line of
+// that in the left image.
+void refine_point(CorrelatedPoint& point, const GreyImage& left, const GreyImage& right, const Lines& lines,
+                  const CorrelateReport& report) {
+  WindowStart start{point.match->position_px, Eigen::Matrix2d::Identity(), lines.direction};
+  Vector2d left_line = lines.direction;
+  if (lines.fundamental) {
+    const auto line = epipolar_line(*lines.fundamental, point.left_px);
+    const auto back = epipolar_line(lines.fundamental->transpose(), start.position_px);
+    point.refined = WindowMatch{.outcome = WindowOutcome::kOffLine};
+    if (!line || !back) return;
+    point.off_line_px = line->distance_px(start.position_px);
+    if (std::abs(*point.off_line_px) > report.window.farthest_px) return;
+    start.position_px = line->foot_px(start.position_px);
+    start.line = line->direction();
+    left_line = back->direction();
+  }
+  if (!report.refine_return_px) {
+    point.refined = match_window(left, point.left_px, right, start, report.window);
+    return;
+  }
+  const ReturnedWindow found =
+      match_window_and_back(left, point.left_px, right, start, report.window, left_line, *report.refine_return_px);
+  point.refined = found.match;
+  point.refined_returned_px = found.returned_px;
+}
+
 }  // namespace
 
 Result<CorrelateReport> correlate_points(const fs::path& left_file, const fs::path& right_file, const fs::path& folder,
                                          const CorrelateOptions& options, const Run& run) {
   COLLINEA_TRY(validate(options));
   COLLINEA_TRY(check_sides(options));
-  COLLINEA_TRY(const Vector2d line, line_of(options));
+  COLLINEA_TRY(check_decision(options));
+  COLLINEA_TRY(const Lines lines, lines_of(options));
   if (options.points && options.max_points)
     return fail(Errc::kBadInput, "the points are those of the table", {"max_points"_option, "points"_option});
   COLLINEA_TRY(const GreyImage left, read_grey(left_file));
@@ -154,7 +247,10 @@ Result<CorrelateReport> correlate_points(const fs::path& left_file, const fs::pa
                          .options = options.matching,
                          .refine = options.refine,
                          .window = options.window,
-                         .is_parallax_found = !options.parallax_px};
+                         .refine_return_px = options.refine_return_px,
+                         .has_epipolar_lines = options.epipolar.has_value(),
+                         .is_parallax_found = !options.parallax_px,
+                         .is_relaxed = options.decision == PointDecision::kRelaxation};
   if (options.points) {
     COLLINEA_TRY(report.points, points_of_table(*options.points));
   } else {
@@ -167,17 +263,13 @@ Result<CorrelateReport> correlate_points(const fs::path& left_file, const fs::pa
   if (needs_parallax) {
     COLLINEA_TRY(expect(report, left, right, options, run));
   }
-  if (options.refine) report.window.model = *options.refine;
-  parallel_for(run, report.points.size(), [&](std::size_t i) {
-    CorrelatedPoint& point = report.points[i];
-    AreaMatching matching = match_area(left, point.left_px, right, point.expected_px, options.matching);
-    point.outcome = matching.outcome;
-    point.match = matching.match;
-    point.candidates = matching.candidates.size();
-    if (options.refine && point.match)
-      point.refined = match_window(left, point.left_px, right,
-                                   {point.match->position_px, Eigen::Matrix2d::Identity(), line}, report.window);
-  });
+  match_points(report, left, right, options, run);
+  if (options.refine) {
+    report.window.model = *options.refine;
+    parallel_for(run, report.points.size(), [&](std::size_t i) {
+      if (report.points[i].match) refine_point(report.points[i], left, right, lines, report);
+    });
+  }
   if (run.stopped()) return fail(Errc::kCancelled, "stopped");
   COLLINEA_TRY(make_out_folder(folder));
   COLLINEA_TRY(write_file(folder / "correlated.txt", text_of(correlated_table(report))));

@@ -96,18 +96,23 @@ TEST(Correlate, FindsInterestPointsAndTheirParallaxItself) {
   EXPECT_NE(correlate_text(*report).find("found"), std::string::npos);
 }
 
+// A table of points over the image, one about every 22 px.
+std::string points_table() {
+  std::string points = "point x_left[px] y_left[px]\n";
+  for (int y = 60; y < 240; y += 22)
+    for (int x = 70; x < 310; x += 22)
+      points += "P" + std::to_string(x) + "_" + std::to_string(y) + " " + std::to_string(x) + ".3 " +
+                std::to_string(y) + ".6\n";
+  return points;
+}
+
 // Noise of one grey value, rounded, in both images: the errors against the stated covariances, each model. The image is
 // shifted alone, so that every model holds. Windows hardly overlap: e' C^-1 e / axes has the standard deviation
 // sqrt(2 / axes) in each.
 TEST(Correlate, RefinedPositionsErrByTheirSigmas) {
   const TestFolder folder;
   const fs::path left = written(folder / "", "left.png", {0, 0}), right = written(folder / "", "right.png", kParallax);
-  std::string points = "point x_left[px] y_left[px]\n";
-  for (int y = 60; y < 240; y += 22)
-    for (int x = 70; x < 310; x += 22)
-      points += "P" + std::to_string(x) + "_" + std::to_string(y) + " " + std::to_string(x) + ".3 " +
-                std::to_string(y) + ".6\n";
-  ASSERT_TRUE(write_file(folder / "points.txt", points));
+  ASSERT_TRUE(write_file(folder / "points.txt", points_table()));
   for (const auto& [model, word, help] : kWindowModelWords) {
     CorrelateOptions options;
     options.points = folder / "points.txt";
@@ -142,6 +147,83 @@ TEST(Correlate, RefinedPositionsErrByTheirSigmas) {
   }
 }
 
+// The images are shifted against each other: all epipolar lines have the direction of the parallax, x_right' [p]x
+// x_left = 0 with p = (23.3, -4.6, 0). Along the line of each point the error has one degree of freedom, across it
+// none: the position lies on the line exactly. The way back goes along the line of the left image.
+TEST(Correlate, RefinesAlongEpipolarLinesThereAndBack) {
+  const TestFolder folder;
+  const fs::path left = written(folder / "", "left.png", {0, 0}), right = written(folder / "", "right.png", kParallax);
+  ASSERT_TRUE(write_file(folder / "points.txt", points_table()));
+  ASSERT_TRUE(write_file(folder / "F.txt", "0 0 -4.6\n0 0 -23.3\n4.6 23.3 0\n"));
+  CorrelateOptions options;
+  options.points = folder / "points.txt";
+  options.parallax_px = "23,-5";
+  options.matching.search_px = 41;
+  options.refine = WindowModel::kLine;
+  options.epipolar = folder / "F.txt";
+  options.refine_return_px = 0.2;
+  const auto report = correlate_points(left, right, folder / "out", options, {.threads = 2});
+  ASSERT_TRUE(report) << report.error().message;
+  const Vector2d along = kParallax.normalized(), across(-along.y(), along.x());
+  double sum = 0;
+  int count = 0;
+  for (const CorrelatedPoint& point : report->points) {
+    if (!point.is_refined()) continue;
+    const Vector2d error = point.refined->position_px - (point.left_px - kParallax);
+    EXPECT_NEAR(error.dot(across), 0, 1e-9);
+    sum += std::pow(error.dot(along), 2) / point.refined->covariance(0, 0);
+    ++count;
+    ASSERT_TRUE(point.off_line_px && point.refined_returned_px);
+    EXPECT_LT(std::abs(*point.off_line_px), 0.4);  // of area matching
+    EXPECT_LE(*point.refined_returned_px, 0.2);
+  }
+  ASSERT_GT(count, 80);
+  EXPECT_NEAR(sum / count, 1, 4 * std::sqrt(2.0 / count));
+  const auto table = read_text_table(folder / "out/refined.txt");
+  ASSERT_TRUE(table) << table.error().message;
+  EXPECT_TRUE(table->has("returned") && table->has("off_line"));
+  // Lines that pass the matches by 8 px: too far from all.
+  ASSERT_TRUE(write_file(folder / "F.txt", "0 0 -4.6\n0 0 -23.3\n4.6 23.3 190\n"));
+  const auto off = correlate_points(left, right, folder / "out", options, {.threads = 2});
+  ASSERT_TRUE(off) << off.error().message;
+  for (const CorrelatedPoint& point : off->points)
+    EXPECT_TRUE(!point.refined || point.refined->outcome == WindowOutcome::kOffLine);
+}
+
+TEST(Correlate, NeighboursDecideWhereAsked) {
+  const TestFolder folder;
+  const fs::path left = written(folder / "", "left.png", {0, 0}), right = written(folder / "", "right.png", kParallax);
+  ASSERT_TRUE(write_file(folder / "points.txt", points_table()));
+  CorrelateOptions options;
+  options.points = folder / "points.txt";
+  options.parallax_px = "23,-5";
+  options.decision = PointDecision::kRelaxation;
+  options.refine = WindowModel::kTranslation;
+  const auto report = correlate_points(left, right, folder / "out", options, {.threads = 2});
+  ASSERT_TRUE(report) << report.error().message;
+  std::size_t found = 0;
+  for (const CorrelatedPoint& point : report->points) {
+    if (!point.match) continue;
+    ++found;
+    EXPECT_LT((point.left_px - point.match->position_px - kParallax).norm(), 0.3);
+    EXPECT_GE(*point.probability, options.relaxation.least_probability);
+  }
+  EXPECT_GT(found, 90u);
+  const auto table = read_text_table(folder / "out/correlated.txt");
+  ASSERT_TRUE(table) << table.error().message;
+  EXPECT_TRUE(table->has("probability"));
+  EXPECT_NE(correlate_text(*report).find("neighbours"), std::string::npos);
+  const auto option_of = [&] {
+    return correlate_points(left, right, folder / "out", options, {}).error().options.front().name;
+  };
+  options.matching.return_px = 3;
+  EXPECT_EQ(option_of(), "return_px");
+  options.matching.return_px = AreaOptions{}.return_px;
+  options.decision = PointDecision::kReturn;
+  options.relaxation.neighbours = 5;
+  EXPECT_EQ(option_of(), "decision");
+}
+
 TEST(Correlate, SaysWhatIsWrong) {
   const TestFolder folder;
   const fs::path left = written(folder / "", "left.png", {0, 0}), right = written(folder / "", "right.png", kParallax);
@@ -169,7 +251,14 @@ TEST(Correlate, SaysWhatIsWrong) {
     options.line_px = wrong;
     EXPECT_EQ(option_of(), "line_px") << wrong;
   }
+  options.epipolar = folder / "F.txt";
+  EXPECT_EQ(option_of(), "line_px");  // given twice
   options.line_px.reset();
+  ASSERT_TRUE(write_file(folder / "F.txt", "1 2 3\n4 5 6\n"));
+  EXPECT_EQ(option_of(), "epipolar");
+  options.refine = WindowModel::kAffine;
+  EXPECT_EQ(option_of(), "epipolar");
+  options.epipolar.reset();
   options.window.window_px = 20;
   EXPECT_EQ(option_of(), "window_px");
   options.window = {};

@@ -7,6 +7,7 @@
 
 #include "collinea/base/file.h"
 #include "collinea/feature/texture.h"
+#include "collinea/io/number_rows.h"
 #include "collinea/jobs/internal/drawing.h"
 #include "collinea/jobs/internal/edge_tables.h"
 #include "collinea/raster/image_file.h"
@@ -20,7 +21,6 @@ namespace fs = std::filesystem;
 using Eigen::Vector2d;
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr double kRotationStepDeg = 6;
 constexpr int kEllipseVertices = 72;
 constexpr MarkColour kEdgeColour{255, 200, 0}, kFoundColour{255, 0, 60};
 
@@ -135,6 +135,17 @@ Result<Found> targets_in(const FloatImage& image, const EdgeMap& map, const Find
   return out;
 }
 
+// The smallest and the largest scale of a shape that is looked for.
+Result<std::pair<double, double>> scales_of(const FindEdgesOptions& options) {
+  if (!options.shape_scale) return std::pair(1.0, 1.0);
+  const auto given = parse_numbers(*options.shape_scale);
+  if (!given || given->empty() || given->size() > 2 || !(given->front() >= 0.05) || !(given->back() <= 20) ||
+      !(given->front() <= given->back()))
+    return fail(Errc::kBadInput, "scales of a shape are one, or the smallest and the largest, of 0.05 to 20",
+                {"shape_scale"_option});
+  return std::pair(given->front(), given->back());
+}
+
 Result<Found> shapes_among(const EdgeMap& map, const FindEdgesOptions& options) {
   if (!options.shape) return fail(Errc::kBadInput, "which shape? Give an image of it", {"shape"_option});
   COLLINEA_TRY(const GreyImage image, read_grey(*options.shape));
@@ -142,15 +153,12 @@ Result<Found> shapes_among(const EdgeMap& map, const FindEdgesOptions& options) 
   const auto table = ShapeTable::create(of_shape.points, {image.width / 2.0, image.height / 2.0});
   if (!table)
     return fail(Errc::kBadInput, options.shape->string() + " shows no edges to be found elsewhere", {"shape"_option});
-  ShapeSearch search;
-  if (const double largest = options.shape_rotation_deg.value_or(0); largest > 0) {
-    search.rotations_rad.clear();
-    const int steps = std::max(1, int(std::ceil(largest / kRotationStepDeg)));
-    for (int k = -steps; k <= steps; ++k) search.rotations_rad.push_back(largest * k / steps / kDegrees);
-  }
+  COLLINEA_TRY(const auto scales, scales_of(options));
+  ShapeSearch search =
+      shape_search(*table, options.shape_rotation_deg.value_or(0) / kDegrees, scales.first, scales.second);
   search.least_share = options.hough.least_arc;
   const std::vector<FoundShape> shapes = hough_shapes(edge_points_of(map), *table, search, options.hough);
-  Found out{.table = table_of(shapes)};
+  Found out{.table = table_of(shapes, search)};
   for (const FoundShape& s : shapes) {
     out.centres.push_back(s.at);
     out.scaled += s.quality.is_scaled;

@@ -27,6 +27,7 @@ struct FindEdgesOptions {
   std::optional<std::filesystem::path> points;
   std::optional<std::filesystem::path> shape;
   std::optional<double> shape_rotation_deg;
+  std::optional<std::string> shape_scale;
   double polygon_px = 1;
   double curvature_px = 5;
   bool texture = false;
@@ -51,6 +52,9 @@ struct FindEdgesOptions {
               .leads_to(PathKind::kFile));
     visit(Field{"shape_rotation_deg", &O::shape_rotation_deg, "deg",
                 "with shapes: largest rotation; nothing: the shape is not turned", 0, 180});
+    visit(
+        Field{"shape_scale", &O::shape_scale, "",
+              "with shapes: smallest,largest scale against the image of the shape, or one that is known; nothing: 1"});
     visit(Field{"polygon_px", &O::polygon_px, "px", "with chains: largest distance of their polygons from them", 0.01,
                 1000});
     visit(Field{"curvature_px", &O::curvature_px, "px",

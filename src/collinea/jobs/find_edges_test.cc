@@ -87,6 +87,36 @@ TEST_F(FindEdges, AShapeIsFoundTwice) {
   EXPECT_NEAR(shift, 55.5, 0.05);
 }
 
+TEST_F(FindEdges, AShapeOfAnotherSizeIsFoundWithItsScale) {
+  GreyImage shape(50, 50);  // a disc of 10 px, where those of the image have 15
+  for (int y = 0; y < 50; ++y)
+    for (int x = 0; x < 50; ++x)
+      shape.at(x, y) = std::uint8_t(
+          std::lround(200 - 75 * std::erfc(((Vector2d(x + 0.5, y + 0.5) - Vector2d(25, 25)).norm() - 10) / 1.1)));
+  ASSERT_TRUE(write_png(folder_ / "small.png", shape));
+  FindEdgesOptions options;
+  options.find = EdgeFind::kShapes;
+  options.shape = folder_ / "small.png";
+  const auto same_size = find(options);
+  ASSERT_TRUE(same_size) << same_size.error().message;
+  EXPECT_TRUE(same_size->found.rows.empty());
+  options.shape_scale = "0.8,2";
+  const auto report = find(options);
+  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_EQ(report->found.rows.size(), 2u);
+  // Smoothing by a pixel moves the edges of small discs inwards, by some 1 / (2 r): 0.05 of 10 and 0.03 of 15 px.
+  const auto scales = report->found.numbers("scale", ""), sigmas = report->found.numbers("sigma_scale", "");
+  ASSERT_TRUE(scales && sigmas);
+  for (const double scale : *scales) EXPECT_NEAR(scale, 1.5, 0.02);
+  for (const double sigma : *sigmas) EXPECT_TRUE(sigma > 0 && sigma < 0.01);
+  for (const char* wrong : {"2,0.5", "0", "a", "1,2,3"}) {
+    options.shape_scale = wrong;
+    const auto refused = find(options);
+    ASSERT_FALSE(refused) << wrong;
+    EXPECT_EQ(refused.error().options.front().name, "shape_scale") << wrong;
+  }
+}
+
 TEST_F(FindEdges, WhatIsWrongIsRefused) {
   EXPECT_FALSE(find_edges(folder_ / "nothing.png", folder_ / "out", {}, {}));
   FindEdgesOptions even;

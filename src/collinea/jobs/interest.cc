@@ -7,6 +7,7 @@
 
 #include "collinea/base/file.h"
 #include "collinea/base/parallel.h"
+#include "collinea/feature/interest_covariance.h"
 #include "collinea/jobs/internal/drawing.h"
 #include "collinea/raster/geotiff.h"
 #include "collinea/raster/image_file.h"
@@ -106,6 +107,7 @@ Result<InterestReport> find_interest(const fs::path& file, const fs::path& folde
                         .tolerance_px = options.tolerance_px};
   const FloatImage map = interest_map(image, options.points);
   report.found = find_interest_points(image, map, options.points);
+  add_paraboloid_covariances(image, options.points, report.found);
   if (options.repeatability) report.repeatability = tried(image, options, run);
   if (run.stopped()) return fail(Errc::kCancelled, "stopped");
   COLLINEA_TRY(write_file(folder / "points.txt", text_of(points_table(report))));

@@ -83,7 +83,7 @@ std::vector<FilmMark> matched(const FilmCalibration& calibration, InteriorReport
       continue;
     }
     marks.push_back({read.mark, known->film_mm, read.position, read.sigma * read.sigma * Eigen::Matrix2d::Identity(),
-                     known->sigma_mm});
+                     known->sigma_mm, known->coordinates});
   }
   for (const CalibratedMark& mark : calibration.marks)
     if (std::none_of(marks.begin(), marks.end(), [&](const FilmMark& one) { return one.name == mark.name; }))

@@ -66,6 +66,37 @@ TEST_F(Interior, ARealPhotographIsOrientedToAPixel) {
     EXPECT_TRUE(read_text_table(folder_ / "out" / name)) << name;
 }
 
+// The side marks of the same photograph as edges of the frame: they lack the coordinate along their side, which may
+// then be read anywhere. 8 + 4 equations; a rigid transformation by the four alone.
+TEST_F(Interior, SideMarksOfOneCoordinate) {
+  std::string camera = kCamera, marks = kMarks;
+  const auto replace = [](std::string& text, const std::string& what, const std::string& by) {
+    ASSERT_NE(text.find(what), std::string::npos) << what;
+    text.replace(text.find(what), what.size(), by);
+  };
+  replace(camera, "-112.000 0.007", "-112.000 (0)");
+  replace(camera, "112.006 0.007", "112.006 (0)");
+  replace(camera, "0.005 112.007", "(0) 112.007");
+  replace(camera, "0.002 -111.998", "(0) -111.998");
+  replace(marks, "843 10379", "843 10579");
+  replace(marks, "19666 10376", "19666 10276");
+  replace(marks, "10254 966", "10104 966");
+  InteriorOptions asked{.calibration = file("camera.txt", camera)};
+  asked.model = FilmModel::kAffine;
+  asked.out = folder_ / "out";
+  const auto done = interior_orientation(file("marks.txt", marks), asked, {});
+  ASSERT_TRUE(done) << done.error().message;
+  const FilmFit& fit = done->images[0].orientation.fit;
+  EXPECT_EQ(fit.redundancy, 12 - 6);
+  EXPECT_LT(fit.sigma0, 1.2);  // as with both coordinates read rightly
+  for (const FilmMarkResidual& mark : fit.marks) EXPECT_TRUE(mark.is_used) << mark.name;
+  const auto table = read_text_table(folder_ / "out/residuals.txt");
+  ASSERT_TRUE(table) << table.error().message;
+  EXPECT_EQ((*table->words("coordinates"))[0], "xy");
+  EXPECT_EQ((*table->words("coordinates"))[4], "x");
+  EXPECT_EQ((*table->words("coordinates"))[6], "y");
+}
+
 TEST_F(Interior, TheGalleryOrientsWithoutACalibration) {
   const auto done = interior_orientation(file("marks.txt", kMarks), {.gallery = FilmCameraType::kRc30}, {});
   ASSERT_TRUE(done) << done.error().message;

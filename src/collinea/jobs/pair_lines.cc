@@ -36,6 +36,7 @@ struct SideLines {
   EdgeMap map;
   std::vector<FoundLine> found;  // parallel to `lines`; numbers of map.points
   std::vector<MatchableLine> lines;
+  std::vector<EdgeArc> arcs;  // where curves are asked for
 };
 
 bool is_at_rim(const GreyImage& image, const Vector2d& at) {
@@ -51,6 +52,9 @@ SideLines lines_in(const GreyImage& image, const PairLinesOptions& o) {
   SideLines side;
   const FloatImage grey = as_float(image);
   side.map = detect_edges(grey, o.edges);
+  if (o.curves)
+    side.arcs = edge_arcs(side.map, grey, o.matching.least_row_angle_deg, o.least_points,
+                          [&](const Vector2d& at) { return is_at_rim(image, at); });
   std::erase_if(side.map.points, [&](const EdgePoint& point) { return is_at_rim(image, point.at); });
   side.map.chains.clear();  // they count the points as they were
   const EdgePoints edges = edge_points_of(side.map);
@@ -97,6 +101,15 @@ std::vector<PairLine> pair_lines(const SideLines& left, const SideLines& right, 
     }
     out.push_back(std::move(line));
   }
+  return out;
+}
+
+PairCurves pair_curves(const SideLines& left, const SideLines& right, const DisparityRange& range,
+                       const LineMatchOptions& options) {
+  const ArcMatches found = match_arcs(left.arcs, right.arcs, range.low, range.high, options);
+  PairCurves out{left.arcs.size(), right.arcs.size(), found.undecided, {}};
+  for (const ArcMatch& match : found.matches)
+    out.curves.push_back({match, arc_point_matches(match, left.arcs[match.left], right.arcs[match.right])});
   return out;
 }
 
@@ -150,15 +163,17 @@ Result<LinesReport> lines_of_pair(const std::string& left, const std::string& ri
   parallel_for(run, 2, [&](std::size_t i) { sides[i] = lines_in(i == 0 ? ready.left : ready.right, options); });
   if (run.stopped()) return fail(Errc::kCancelled, "matching lines was stopped");
   for (std::size_t i = 0; i < 2; ++i)
-    if (sides[i].lines.empty())
+    if (sides[i].lines.empty() && sides[i].arcs.empty())
       return fail(Errc::kIllPosed, (i == 0 ? left : right) + " has no straight edges", {"least_points"_option});
   LinesReport report{.left = left, .right = right, .low_px = range.low, .high_px = range.high, .frame = ready.frame};
   report.right_lines = sides[1].lines.size();
   report.lines = pair_lines(sides[0], sides[1], ready,
                             match_lines(sides[0].lines, sides[1].lines, range.low, range.high, options.matching));
+  if (options.curves) report.curves = pair_curves(sides[0], sides[1], range, options.matching);
   COLLINEA_TRY(make_out_folder(folder));
   std::error_code error;
-  for (const char* name : {"lines.gpkg", "lines.dxf"}) fs::remove(folder / name, error);  // of an earlier run
+  for (const char* name : {"lines.gpkg", "lines.dxf", "curve_points.txt"})
+    fs::remove(folder / name, error);  // of an earlier run
   if (ready.cameras) {
     const EpipolarPair& known = *ready.cameras;
     report.cameras = {known.left, known.right, known.left_from_world, known.base_m, 0};
@@ -167,6 +182,7 @@ Result<LinesReport> lines_of_pair(const std::string& left, const std::string& ri
   COLLINEA_TRY(write_images(folder, ready, sides[1], report.lines));
   COLLINEA_TRY(write_file(folder / "lines.txt", text_of(lines_table(report))));
   COLLINEA_TRY(write_file(folder / "edge_points.txt", text_of(edge_points_table(report))));
+  if (report.curves) COLLINEA_TRY(write_file(folder / "curve_points.txt", text_of(curve_points_table(report))));
   return report;
 }
 

@@ -149,6 +149,37 @@ TEST(PairLines, WritesTablesImagesAndVectors) {
   EXPECT_NE(lines_text(*report).find("cameras are not known"), std::string::npos);
 }
 
+// The six sides are curves as well as lines: the same disparities without a line that is fitted.
+TEST(PairLines, CurvesAreMatchedWhereAsked) {
+  const Drawn images(5);
+  const auto out = images.folder / "out";
+  PairLinesOptions options;
+  options.curves = true;
+  const auto report = lines_of_pair(images.left, images.right, out, images.pair, options, {});
+  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_TRUE(report->curves);
+  EXPECT_EQ(report->curves->curves.size(), 6u);
+  for (const PairCurves::Curve& curve : report->curves->curves) {
+    EXPECT_GT(curve.points.size(), 80u);
+    for (const EdgePointMatch& p : curve.points) {
+      if (p.left_px.y() < 30 || p.left_px.y() > 120) continue;  // corners bend the edge
+      const auto side = std::ranges::find_if(kBoards, [&](const Board& b) {
+        const double x = p.left_px.x() - b.slope * (p.left_px.y() - 75);
+        return std::abs(x - b.x_left) < 2 || std::abs(x - b.x_right) < 2;
+      });
+      ASSERT_NE(side, std::end(kBoards));
+      EXPECT_NEAR(p.left_px.x() - p.right_px.x(), side->disparity_at(p.left_px.y()), 6 * p.sigma_px);
+    }
+  }
+  const auto points = read_text_table(out / "curve_points.txt");
+  ASSERT_TRUE(points) << points.error().message;
+  EXPECT_GT(points->rows.size(), 480u);
+  EXPECT_TRUE(points->numbers("depth", "m"));
+  EXPECT_NE(lines_text(*report).find("any shape"), std::string::npos);
+  ASSERT_TRUE(lines_of_pair(images.left, images.right, out, images.pair, {}, {}));
+  EXPECT_FALSE(is_there(out / "curve_points.txt"));  // of an earlier run
+}
+
 TEST(PairLines, AnImageWithoutEdgesIsNamed) {
   const Drawn images(3);
   ASSERT_TRUE(write_png(images.right, GreyImage(kWidth, kHeight, 1, 90)));

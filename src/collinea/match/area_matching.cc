@@ -236,21 +236,6 @@ Vector2i pixel_of(const Vector2d& position_px) {
   return {static_cast<int>(std::floor(position_px.x())), static_cast<int>(std::floor(position_px.y()))};
 }
 
-bool is_decisive(const CorrelationSurface& surface, const std::vector<AreaCandidate>& all, double ratio) {
-  if (all.size() < 2) return true;
-  const double n = surface.pixels;
-  double least = kSmallResidual_grey * n;
-  if (surface.method == Similarity::kNcc) least = kSmallUncorrelated;
-  if (surface.method == Similarity::kCosine) {
-    const Vector2i at = all[0].pixel - Vector2i(surface.left, surface.top);
-    const double norm = surface.deviations.at(at.x(), at.y());
-    least /= std::max(norm * norm, least);
-  }
-  if (surface.method == Similarity::kSad) least *= n;
-  if (surface.method == Similarity::kDn) least /= n;
-  return all[1].residual > ratio * std::max(all[0].residual, least);
-}
-
 AreaOptions without_return(AreaOptions options) {
   options.return_px.reset();
   return options;
@@ -318,6 +303,23 @@ std::vector<AreaCandidate> candidates(const CorrelationSurface& surface, int rad
   return out;
 }
 
+std::size_t rivals(const CorrelationSurface& surface, std::span<const AreaCandidate> all, double ratio) {
+  if (all.size() < 2) return all.size();
+  const double n = surface.pixels;
+  double least = kSmallResidual_grey * n;
+  if (surface.method == Similarity::kNcc) least = kSmallUncorrelated;
+  if (surface.method == Similarity::kCosine) {
+    const Vector2i at = all[0].pixel - Vector2i(surface.left, surface.top);
+    const double norm = surface.deviations.at(at.x(), at.y());
+    least /= std::max(norm * norm, least);
+  }
+  if (surface.method == Similarity::kSad) least *= n;
+  if (surface.method == Similarity::kDn) least /= n;
+  std::size_t count = 1;
+  while (count < all.size() && !(all[count].residual > ratio * std::max(all[0].residual, least))) ++count;
+  return count;
+}
+
 // Least squares over the nine points (x, y) = -1, 0, 1: the columns of 1, x, y, x^2, xy, y^2 are orthogonal but for 1
 // and the squares, so that the solution can be written down.
 std::optional<SubpixelPeak> subpixel_peak(const CorrelationSurface& surface, const Vector2i& pixel) {
@@ -360,7 +362,7 @@ AreaMatching match_area(const GreyImage& image, const Vector2d& position_px, con
   out.outcome = AreaOutcome::kNoCandidate;
   if (out.candidates.empty()) return out;
   out.outcome = AreaOutcome::kAmbiguous;
-  if (!is_decisive(out.surface, out.candidates, options.decisive_ratio)) return out;
+  if (rivals(out.surface, out.candidates, options.decisive_ratio) > 1) return out;
   out.outcome = AreaOutcome::kAtBorder;
   const AreaCandidate& best = out.candidates.front();
   const auto peak = subpixel_peak(out.surface, best.pixel);

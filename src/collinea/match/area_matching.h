@@ -60,7 +60,7 @@ struct AreaOptions {
                 "template, of ssd and d that of dn (nothing: none)"});
     visit(Field{"decisive_ratio", &O::decisive_ratio, "",
                 "of several candidates the best is taken when the next has as many times its residual variance "
-                "(ncc, cosine: 1 - correlation squared)",
+                "(ncc, cosine: 1 - correlation squared); neighbours choose among the others",
                 1, 1e6});
     visit(Field{"return_px", &O::return_px, "px",
                 "the match, looked for in the left image, must come back so near to the point (forward-backward "
@@ -105,9 +105,16 @@ struct AreaCandidate {
 [[nodiscard]] std::vector<AreaCandidate> candidates(const CorrelationSurface& surface, int radius,
                                                     std::optional<double> threshold);
 
+/// How many of the candidates, best first, rival each other: the best one, and those behind it that do not leave
+/// `ratio` times as much unexplained. What is less than a grey value a pixel, or 1 - correlation^2 of 0.01, counts as
+/// that: of two so good ones neither is better. 1: it is decisive.
+[[nodiscard]] std::size_t rivals(const CorrelationSurface& surface, std::span<const AreaCandidate> candidates,
+                                 double ratio);
+
 struct SubpixelPeak {
   Eigen::Vector2d offset_px;  ///< from the middle of the pixel, within one pixel
-  /// Of ncc, cosine, ssd, sad, d and dn; nothing for rank and census.
+  /// Of ncc, cosine, ssd, sad, d and dn; nothing for rank and census, whose surface does not tell it
+  /// (rank_covariance.h).
   std::optional<Eigen::Matrix2d> covariance_px2;
 };
 
@@ -122,7 +129,7 @@ struct SubpixelPeak {
                                                         const Eigen::Vector2i& pixel);
 
 /// Why there is no match.
-enum class AreaOutcome { kFound, kOutside, kNoCandidate, kAmbiguous, kAtBorder, kNotReturned };
+enum class AreaOutcome { kFound, kOutside, kNoCandidate, kAmbiguous, kAtBorder, kNotReturned, kUndecided, kTaken };
 inline constexpr Word<AreaOutcome> kAreaOutcomeWords[] = {
     {AreaOutcome::kFound, "found"},
     {AreaOutcome::kOutside, "outside", "the window leaves its image, or nothing is searched"},
@@ -130,14 +137,16 @@ inline constexpr Word<AreaOutcome> kAreaOutcomeWords[] = {
     {AreaOutcome::kAmbiguous, "ambiguous", "the second best is nearly as good"},
     {AreaOutcome::kAtBorder, "at_border", "the best lies at the border of what was searched"},
     {AreaOutcome::kNotReturned, "not_returned", "matched back it comes to another position"},
+    {AreaOutcome::kUndecided, "undecided", "the neighbours bear out no candidate, or several"},
+    {AreaOutcome::kTaken, "taken", "another point, more probable, matches the same position"},
 };
 constexpr std::span<const Word<AreaOutcome>> words(AreaOutcome) { return kAreaOutcomeWords; }
 
 struct AreaMatch {
-  Eigen::Vector2d position_px;  ///< in the other image
-  std::optional<Eigen::Matrix2d> covariance_px2;
-  double value = 0;                   ///< of the similarity
-  std::optional<double> returned_px;  ///< distance from the point after matching back
+  Eigen::Vector2d position_px;                    ///< in the other image
+  std::optional<Eigen::Matrix2d> covariance_px2;  ///< none of rank and census
+  double value = 0;                               ///< of the similarity
+  std::optional<double> returned_px;              ///< distance from the point after matching back
 };
 
 struct AreaMatching {

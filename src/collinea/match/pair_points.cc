@@ -12,7 +12,7 @@
 #include "collinea/base/parallel.h"
 #include "collinea/feature/interest.h"
 #include "collinea/match/area_matching.h"
-#include "collinea/match/relaxation.h"
+#include "collinea/match/neighbour_matching.h"
 #include "collinea/math/median.h"
 #include "collinea/math/random.h"
 #include "collinea/raster/pyramid.h"
@@ -27,7 +27,6 @@ constexpr double kSmallMinNcc = 0.75;
 constexpr int kPointsOfStage = 300;  // of all but the last
 constexpr int kSearchOfStage_px = 31;
 constexpr std::size_t kFewest = 8;
-constexpr std::size_t kMostCandidates = 8;  // of a point in relaxation
 constexpr int kSamples = 500;
 constexpr double kFarther = 8;  // robust standard deviations from the map
 constexpr double kLeastScatter_px = 1;
@@ -157,29 +156,20 @@ std::vector<MatchedPoint> matches(const GreyImage& left, const GreyImage& right,
 std::vector<MatchedPoint> relaxed(const GreyImage& left, const GreyImage& right,
                                   const std::vector<InterestPoint>& interest, const std::optional<Agreement>& known,
                                   AreaOptions options, const Run& run) {
-  options.return_px.reset();
-  options.decisive_ratio = 1;
-  std::vector<PointCandidates> points(interest.size());
+  options.decisive_ratio = std::numeric_limits<double>::infinity();  // all that are good enough
+  std::vector<AreaPoint> points(interest.size());
   parallel_for(run, interest.size(), [&](std::size_t i) {
     const Eigen::Vector2d at = interest[i].position_px;
-    points[i] = {at, known ? predicted(*known, at) : at, {}};
-    const Eigen::Vector2d middle =
-        known ? points[i].expected_px : Eigen::Vector2d(right.width / 2.0, right.height / 2.0);
-    const AreaMatching matching = match_area(left, at, right, middle, options);
-    const Eigen::Vector2d in_pixel(at.x() - std::floor(at.x()), at.y() - std::floor(at.y()));
-    for (const AreaCandidate& candidate : matching.candidates) {
-      if (points[i].candidates.size() == kMostCandidates) break;
-      if (const auto peak = subpixel_peak(matching.surface, candidate.pixel))
-        points[i].candidates.push_back({candidate.pixel.cast<double>() + in_pixel + peak->offset_px, candidate.value});
-    }
+    if (known)
+      points[i] = {at, predicted(*known, at)};
+    else
+      points[i] = {at, at, Eigen::Vector2d(right.width / 2.0, right.height / 2.0)};
   });
   std::vector<MatchedPoint> out;
-  const auto decisions = relax(points, {});
+  const auto decisions = match_areas(left, right, points, options, {}, run);
   for (std::size_t i = 0; i < points.size(); ++i)
-    if (decisions[i].candidate) {
-      const CandidatePosition& chosen = points[i].candidates[*decisions[i].candidate];
-      out.push_back({points[i].point_px, chosen.position_px, chosen.similarity});
-    }
+    if (decisions[i].match)
+      out.push_back({points[i].position_px, decisions[i].match->position_px, decisions[i].likeness});
   return out;
 }
 

@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "collinea/base/options.h"
+
 // Which of several candidates a point of one image matches in another, by what its neighbours match (relaxation:
 // Barnard and Thompson 1980; Mussio 7.9, A.2). docs/theory/relaxation.md.
 namespace collinea {
@@ -27,6 +29,19 @@ struct RelaxationOptions {
   double parallax_gradient = 0.05;  ///< sigma of the difference of two parallaxes, for each pixel that points lie apart
   double least_probability = 0.7;   ///< of a candidate that is taken
   int iterations = 20;              ///< rounds in which neighbours are asked
+
+  friend bool operator==(const RelaxationOptions&, const RelaxationOptions&) = default;
+
+  template <class Visit>
+  static void describe(Visit&& visit) {
+    using O = RelaxationOptions;
+    visit(Field{"neighbours", &O::neighbours, "1", "nearest points that are asked", 1, 1000});
+    visit(Field{"parallax_gradient", &O::parallax_gradient, "1",
+                "sigma of the difference of two parallaxes for each pixel that their points lie apart, beside 1 px", 0,
+                10});
+    visit(Field{"least_probability", &O::least_probability, "1", "of a candidate that is taken", 0.5, 1});
+    visit(Field{"iterations", &O::iterations, "1", "rounds in which neighbours are asked", 1, 1000});
+  }
 };
 
 /// How a point was decided: 0, 1 or many candidates.

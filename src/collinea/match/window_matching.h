@@ -68,6 +68,8 @@ enum class WindowOutcome {
   kNotConverged,  ///< still moving after the last iteration
   kUnlike,        ///< correlates by less than asked for, or dark is bright
   kOccluded,      ///< robust: more than half of the window does not belong to the rest
+  kNotReturned,   ///< matched back it comes to another position
+  kOffLine,       ///< area matching found it too far from its epipolar line
 };
 inline constexpr Word<WindowOutcome> kWindowOutcomeWords[] = {
     {WindowOutcome::kFound, "found"},
@@ -77,7 +79,9 @@ inline constexpr Word<WindowOutcome> kWindowOutcomeWords[] = {
     {WindowOutcome::kDiverged, "diverged", "the window moved or was stretched too far"},
     {WindowOutcome::kNotConverged, "not_converged", "the window still moved after the last iteration"},
     {WindowOutcome::kUnlike, "unlike", "the windows are not alike"},
-    {WindowOutcome::kOccluded, "occluded", "most of the window does not belong to the rest"}};
+    {WindowOutcome::kOccluded, "occluded", "most of the window does not belong to the rest"},
+    {WindowOutcome::kNotReturned, "not_returned", "matched back it comes to another position"},
+    {WindowOutcome::kOffLine, "off_line", "area matching found it too far from its epipolar line"}};
 constexpr std::span<const Word<WindowOutcome>> words(WindowOutcome) { return kWindowOutcomeWords; }
 
 /// Where about the window lies in the other image.

@@ -26,6 +26,7 @@ TextTable rows_of(const CorrelateReport& report, std::size_t most) {
                    {"sigma_x", "px"},      {"sigma_y", "px"},
                    {"correlation_xy", ""}, {std::string(word_of(report.options.method)), ""},
                    {"returned", "px"},     {"candidates", ""}};
+  if (report.is_relaxed) table.columns.push_back({"probability", ""});
   for (std::size_t i = 0; i < std::min(most, report.points.size()); ++i) {
     const CorrelatedPoint& p = report.points[i];
     std::vector<std::string> row = {p.name, decimal_text(p.left_px.x(), 3), decimal_text(p.left_px.y(), 3),
@@ -47,6 +48,7 @@ TextTable rows_of(const CorrelateReport& report, std::size_t most) {
       row.insert(row.end(), 7, "");
     }
     row.push_back(std::to_string(p.candidates));
+    if (report.is_relaxed) row.push_back(p.probability ? decimal_text(*p.probability, 3) : "");
     table.rows.push_back(std::move(row));
   }
   return table;
@@ -87,7 +89,8 @@ void add_covariance_titles(const std::vector<std::string_view>& names, TextTable
       table.columns.push_back({fmt::format("cov_{}_{}", names[i], names[k]), ""});
 }
 
-std::vector<std::string> refined_cells(const WindowMatch& m) {
+std::vector<std::string> refined_cells(const CorrelateReport& report, const CorrelatedPoint& point) {
+  const WindowMatch& m = *point.refined;
   const double x = std::sqrt(m.covariance_px2(0, 0)), y = std::sqrt(m.covariance_px2(1, 1));
   std::vector<std::string> cells;
   for (const auto& [value, decimals] :
@@ -96,6 +99,9 @@ std::vector<std::string> refined_cells(const WindowMatch& m) {
         std::pair(m.noise_grey, 2), std::pair(m.redundancy, 0), std::pair(m.share_used, 3)})
     cells.push_back(decimal_text(value, decimals));
   cells.push_back(std::to_string(m.iterations));
+  if (report.refine_return_px)
+    cells.push_back(point.refined_returned_px ? decimal_text(*point.refined_returned_px, 4) : "");
+  if (report.has_epipolar_lines) cells.push_back(point.off_line_px ? decimal_text(*point.off_line_px, 3) : "");
   for (Eigen::Index i = 0; i < m.parameters.size(); ++i) {
     cells.push_back(decimal_text(m.parameters[i], 5));
     cells.push_back(decimal_text(std::sqrt(m.covariance(i, i)), 5));
@@ -179,6 +185,8 @@ TextTable refined_windows_table(const CorrelateReport& report) {
                    {"x_right", "px"},      {"y_right", "px"},   {"sigma_x", "px"}, {"sigma_y", "px"},
                    {"correlation_xy", ""}, {"correlation", ""}, {"noise", "grey"}, {"redundancy", ""},
                    {"share_used", ""},     {"iterations", ""}};
+  if (report.refine_return_px) table.columns.push_back({"returned", "px"});
+  if (report.has_epipolar_lines) table.columns.push_back({"off_line", "px"});
   const WindowModel model = report.refine.value_or(WindowModel::kTranslation);
   const auto names = window_parameter_names(model, report.window.light);
   for (const std::string_view name : names) {
@@ -191,7 +199,7 @@ TextTable refined_windows_table(const CorrelateReport& report) {
     std::vector<std::string> row = {p.name, decimal_text(p.left_px.x(), 3), decimal_text(p.left_px.y(), 3),
                                     std::string(word_of(p.refined->outcome))};
     if (p.is_refined()) {
-      const auto cells = refined_cells(*p.refined);
+      const auto cells = refined_cells(report, p);
       row.insert(row.end(), cells.begin(), cells.end());
     } else {
       row.resize(table.columns.size());
@@ -204,10 +212,10 @@ TextTable refined_windows_table(const CorrelateReport& report) {
 }
 
 std::string correlate_text(const CorrelateReport& report) {
-  std::string text = fmt::format("{} of {} in {} by {}; mean parallax {:.1f} {:.1f} px ({})\n",
-                                 counted_text(report.points.size(), "point"), report.left, report.right,
-                                 word_of(report.options.method), report.parallax_px.x(), report.parallax_px.y(),
-                                 report.is_parallax_found ? "found" : "given");
+  std::string text = fmt::format(
+      "{} of {} in {} by {}{}; mean parallax {:.1f} {:.1f} px ({})\n", counted_text(report.points.size(), "point"),
+      report.left, report.right, word_of(report.options.method), report.is_relaxed ? ", decided by neighbours" : "",
+      report.parallax_px.x(), report.parallax_px.y(), report.is_parallax_found ? "found" : "given");
   text +=
       outcomes_text(report) + precision_text(report) + refinement_text(report) + indented_rows(rows_of(report, kShown));
   if (report.points.size() > kShown) text += fmt::format("  ... {} more\n", report.points.size() - kShown);

@@ -18,7 +18,11 @@ struct CorrelatedPoint {
   AreaOutcome outcome = AreaOutcome::kOutside;
   std::optional<AreaMatch> match;
   std::size_t candidates = 0;
+  std::optional<double> probability = {};   ///< of the best candidate, where neighbours decide
   std::optional<WindowMatch> refined = {};  ///< by least squares matching, where that was asked for and it was found
+
+  std::optional<double> refined_returned_px = {};  ///< distance from the point when refined back
+  std::optional<double> off_line_px = {};          ///< distance of the area match from the epipolar line
 
   [[nodiscard]] bool is_refined() const { return refined && refined->outcome == WindowOutcome::kFound; }
 };
@@ -27,9 +31,12 @@ struct CorrelateReport {
   std::string left, right;  ///< files
   AreaOptions options;
   std::optional<WindowModel> refine = {};
-  WindowOptions window = {};          ///< of the refinement
+  WindowOptions window = {};  ///< of the refinement
+  std::optional<double> refine_return_px = {};
+  bool has_epipolar_lines = false;
   Eigen::Vector2d parallax_px{0, 0};  ///< left less right, where points are expected without a position of their own
   bool is_parallax_found = false;     ///< by matching on small images
+  bool is_relaxed = false;            ///< neighbours decide
   std::vector<CorrelatedPoint> points;
 };
 

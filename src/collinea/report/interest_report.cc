@@ -30,7 +30,7 @@ Sigmas sigmas_of(const Eigen::Matrix2d& covariance) {
 }
 
 bool has_covariances(const InterestReport& report) {
-  return !report.found.points.empty() && report.found.points.front().covariance_px2.has_value();
+  return std::ranges::any_of(report.found.points, [](const InterestPoint& p) { return p.covariance_px2.has_value(); });
 }
 
 TextTable points_table(const InterestReport& report, std::size_t most) {
@@ -46,11 +46,16 @@ TextTable points_table(const InterestReport& report, std::size_t most) {
     std::vector<std::string> row = {std::to_string(i + 1), fmt::format("{:.3f}", p.position_px.x()),
                                     fmt::format("{:.3f}", p.position_px.y()), fmt::format("{:.6g}", p.strength),
                                     fmt::format("{:.2f}", p.scale_px)};
-    if (with_covariance) {
+    if (with_covariance && !p.covariance_px2) row.insert(row.end(), 5, "-");
+    if (with_covariance && p.covariance_px2) {
       const Sigmas s = sigmas_of(*p.covariance_px2);
+      const bool is_adjusted = p.roundness > 0;  // by least squares
       for (std::string word :
            {fmt::format("{:.4f}", s.x), fmt::format("{:.4f}", s.y), fmt::format("{:.3f}", s.correlation),
-            fmt::format("{:.3f}", p.roundness), std::string(p.is_circle ? "circle" : "corner")})
+            is_adjusted ? fmt::format("{:.3f}", p.roundness) : std::string("-"),
+            std::string(!is_adjusted  ? "-"
+                        : p.is_circle ? "circle"
+                                      : "corner")})
         row.push_back(std::move(word));
     }
     table.rows.push_back(std::move(row));
@@ -74,16 +79,19 @@ std::string rejected_text(const InterestPoints& found) {
 
 std::string precision_text(const InterestReport& report) {
   std::vector<double> sigmas;
-  std::size_t circles = 0;
+  std::size_t circles = 0, adjusted = 0;
   for (const InterestPoint& p : report.found.points) {
-    sigmas.push_back(std::sqrt(p.covariance_px2->trace() / 2));
+    if (p.covariance_px2) sigmas.push_back(std::sqrt(p.covariance_px2->trace() / 2));
     circles += p.is_circle;
+    adjusted += p.roundness > 0;
   }
-  return fmt::format(
+  std::string text = fmt::format(
       "noise of a pixel {:.2f} grey levels{}; standard deviation of a coordinate by it, median of the points: {:.3f} "
-      "px\n{} corners and junctions, {} centres of circles\n",
-      report.found.noise_grey, report.options.noise_grey ? "" : " (found in the image)", median_of(sigmas),
-      sigmas.size() - circles, circles);
+      "px\n",
+      report.found.noise_grey, report.options.noise_grey ? "" : " (found in the image)", median_of(sigmas));
+  if (adjusted > 0)
+    text += fmt::format("{} corners and junctions, {} centres of circles\n", adjusted - circles, circles);
+  return text;
 }
 
 // The rows of an operator and a change, in their order.

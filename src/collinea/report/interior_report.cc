@@ -247,8 +247,9 @@ TextTable scan_point_table(const InteriorReport& report) {
 
 TextTable residual_table(const InteriorReport& report) {
   TextTable table;
-  table.columns = {{"image", ""},        {"mark", ""}, {"x", report.unit}, {"y", report.unit}, {"v_x", report.unit},
-                   {"v_y", report.unit}, {"w_x", ""},  {"w_y", ""},        {"chance", ""},     {"used", ""}};
+  table.columns = {{"image", ""},        {"mark", ""},         {"x", report.unit}, {"y", report.unit},
+                   {"v_x", report.unit}, {"v_y", report.unit}, {"w_x", ""},        {"w_y", ""},
+                   {"chance", ""},       {"used", ""},         {"coordinates", ""}};
   for (const Image& image : report.images)
     for (const FilmMarkResidual& mark : image.orientation.fit.marks) {
       Eigen::Vector2d at = Eigen::Vector2d::Zero();
@@ -256,7 +257,10 @@ TextTable residual_table(const InteriorReport& report) {
         if (read.mark == mark.name) at = read.position;
       table.rows.push_back({image.name, mark.name, fixed(at.x(), 4), fixed(at.y(), 4), fixed(mark.residual_px.x(), 4),
                             fixed(mark.residual_px.y(), 4), fixed(mark.w.x(), 3), fixed(mark.w.y(), 3),
-                            fixed(mark.misread_chance, 6), mark.is_used ? "yes" : "no"});
+                            fixed(mark.misread_chance, 6), mark.is_used ? "yes" : "no",
+                            mark.coordinates == MarkCoordinates::kBoth ? "xy"
+                            : mark.coordinates == MarkCoordinates::kX  ? "x"
+                                                                       : "y"});
     }
   return table;
 }

@@ -130,6 +130,42 @@ std::string frame_remark(const LinesReport& report) {
                                                 : "coordinates in space: the frame of the orientation";
 }
 
+std::vector<TableColumn> point_columns(const char* name) {
+  return {{name, ""},     {"x_left", "px"},    {"y_left", "px"}, {"x_right", "px"}, {"sigma_disparity", "px"},
+          {"depth", "m"}, {"sigma_depth", "m"}};
+}
+
+// Where an edge point lies in both images, and how far away it is where the cameras are known.
+void add_point(std::vector<std::string>& row, const EdgePointMatch& p, const LinesReport& report) {
+  for (const double value : {p.left_px.x(), p.left_px.y(), p.right_px.x(), p.sigma_px})
+    row.push_back(decimal_text(value, 3));
+  if (!report.cameras) {
+    row.insert(row.end(), 2, "");
+    return;
+  }
+  const auto& [left, right, pose, base_m, points] = *report.cameras;
+  const double parallax = p.left_px.x() - p.right_px.x() - left.params[Camera::kCx] + right.params[Camera::kCx];
+  const double depth = left.focal_px() * base_m / parallax;
+  row.push_back(decimal_text(depth, 4));
+  row.push_back(decimal_text(depth / parallax * p.sigma_px, 4));
+}
+
+std::string curves_text(const LinesReport& report) {
+  if (!report.curves) return "";
+  std::vector<double> sigmas;
+  for (const PairCurves::Curve& curve : report.curves->curves)
+    for (const EdgePointMatch& p : curve.points) sigmas.push_back(p.sigma_px);
+  std::string text = fmt::format("edges of any shape: {} of {} and {}, undecided candidates: {}\n",
+                                 counted_text(report.curves->curves.size(), "matched piece"), report.curves->left,
+                                 report.curves->right, report.curves->undecided);
+  if (!sigmas.empty()) {
+    const std::size_t count = sigmas.size();
+    text += fmt::format("  {}, standard deviation of a disparity, median: {:.3f} px\n", counted_text(count, "point"),
+                        median(sigmas));
+  }
+  return text;
+}
+
 std::string precision_text(const LinesReport& report) {
   std::vector<double> across, directions, disparities;
   for (const PairLine& line : report.lines) {
@@ -170,22 +206,26 @@ TextTable lines_table(const LinesReport& report) {
 
 TextTable edge_points_table(const LinesReport& report) {
   TextTable table;
-  table.columns = {{"line", ""},   {"x_left", "px"},    {"y_left", "px"}, {"x_right", "px"}, {"sigma_disparity", "px"},
-                   {"depth", "m"}, {"sigma_depth", "m"}};
+  table.columns = point_columns("line");
   for (std::size_t i = 0; i < report.lines.size(); ++i)
     for (const EdgePointMatch& p : report.lines[i].points) {
-      std::vector<std::string> row = {std::to_string(i + 1), decimal_text(p.left_px.x(), 3),
-                                      decimal_text(p.left_px.y(), 3), decimal_text(p.right_px.x(), 3),
-                                      decimal_text(p.sigma_px, 3)};
-      if (report.cameras) {
-        const auto& [left, right, pose, base_m, points] = *report.cameras;
-        const double parallax = p.left_px.x() - p.right_px.x() - left.params[Camera::kCx] + right.params[Camera::kCx];
-        const double depth = left.focal_px() * base_m / parallax;
-        row.push_back(decimal_text(depth, 4));
-        row.push_back(decimal_text(depth / parallax * p.sigma_px, 4));
-      } else {
-        row.insert(row.end(), 2, "");
-      }
+      std::vector<std::string> row = {std::to_string(i + 1)};
+      add_point(row, p, report);
+      table.rows.push_back(std::move(row));
+    }
+  return table;
+}
+
+TextTable curve_points_table(const LinesReport& report) {
+  TextTable table;
+  table.columns = point_columns("curve");
+  table.columns.push_back({"outcome", ""});
+  if (!report.curves) return table;
+  for (std::size_t i = 0; i < report.curves->curves.size(); ++i)
+    for (const EdgePointMatch& p : report.curves->curves[i].points) {
+      std::vector<std::string> row = {std::to_string(i + 1)};
+      add_point(row, p, report);
+      row.emplace_back(word_of(report.curves->curves[i].match.outcome));
       table.rows.push_back(std::move(row));
     }
   return table;
@@ -203,7 +243,7 @@ std::string lines_text(const LinesReport& report) {
   text += fmt::format("matched: {}", report.matched());
   text += report.cameras ? fmt::format(", in space: {}\n", report.in_space())
                          : "; no coordinates in space: the cameras are not known\n";
-  return text + precision_text(report) + indented_rows(shown_rows(report));
+  return text + precision_text(report) + curves_text(report) + indented_rows(shown_rows(report));
 }
 
 }  // namespace collinea

@@ -8,6 +8,7 @@
 
 #include "collinea/epipolar/line_intersection.h"
 #include "collinea/io/text_table.h"
+#include "collinea/match/curve_matching.h"
 #include "collinea/match/line_matching.h"
 #include "collinea/report/stereo_report.h"
 
@@ -28,11 +29,23 @@ struct PairLine {
   std::vector<EdgePointMatch> points;
 };
 
+/// Edges of any shape: pieces that cross the rows once, and which of them are the same edge over which rows.
+struct PairCurves {
+  struct Curve {
+    ArcMatch match;
+    std::vector<EdgePointMatch> points;
+  };
+  std::size_t left = 0, right = 0;  ///< pieces
+  std::size_t undecided = 0;        ///< candidates that nothing decides
+  std::vector<Curve> curves;
+};
+
 struct LinesReport {
   std::string left, right;  ///< images
   int low_px = 0, high_px = 0;
   std::size_t right_lines = 0;
   std::vector<PairLine> lines;
+  std::optional<PairCurves> curves = {};         ///< where asked for
   std::optional<StereoReport::Cameras> cameras;  ///< of the epipolar pair
   PairFrame frame{};                             ///< of the coordinates in space
 
@@ -45,6 +58,8 @@ struct LinesReport {
 [[nodiscard]] TextTable lines_table(const LinesReport& report);
 /// A row an edge point of a matched line: positions in both images, standard deviation of the disparity, depth.
 [[nodiscard]] TextTable edge_points_table(const LinesReport& report);
+/// The same of the matched pieces of edges of any shape, with how each was decided.
+[[nodiscard]] TextTable curve_points_table(const LinesReport& report);
 [[nodiscard]] std::string lines_text(const LinesReport& report);  ///< for a terminal
 
 }  // namespace collinea

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "collinea/feature/edge_curve.h"
+
 namespace collinea {
 namespace {
 
@@ -146,17 +148,25 @@ TextTable table_of(const std::vector<Target>& targets, const std::vector<std::st
   return table;
 }
 
-TextTable table_of(const std::vector<FoundShape>& shapes) {
+TextTable table_of(const std::vector<FoundShape>& shapes, const ShapeSearch& search) {
   TextTable table;
   table.columns = position_columns("shape");
-  add(table.columns, {{"rotation", "deg"}, {"sigma_rotation", "deg"}, {"share", ""}, {"sigma0", ""}, {"rms", "px"}});
+  add(table.columns, {{"rotation", "deg"},
+                      {"sigma_rotation", "deg"},
+                      {"scale", ""},
+                      {"sigma_scale", ""},
+                      {"share", ""},
+                      {"sigma0", ""},
+                      {"rms", "px"}});
+  const bool is_turned = search.rotations_rad.size() > 1, is_scaled = search.scales.size() > 1;
   for (const FoundShape& s : shapes) {
     std::vector<std::string> row{std::to_string(table.rows.size() + 1)};
     add_position(row, s.at, s.covariance);
-    const bool is_turned = s.covariance.rows() > 2;
-    for (const std::string& word : {number(s.rotation_rad * kDegrees, 3),
-                                    is_turned ? number(std::sqrt(s.covariance(2, 2)) * kDegrees, 3) : std::string("-"),
-                                    number(s.share, 2), number(s.quality.sigma0, 2), number(s.quality.rms_px, 3)})
+    const auto sigma = [&](int k) { return std::sqrt(s.covariance(k, k)); };
+    for (const std::string& word :
+         {number(s.rotation_rad * kDegrees, 3), is_turned ? number(sigma(2) * kDegrees, 3) : std::string("-"),
+          number(s.scale, 5), is_scaled ? number(sigma(is_turned ? 3 : 2), 5) : std::string("-"), number(s.share, 2),
+          number(s.quality.sigma0, 2), number(s.quality.rms_px, 3)})
       row.push_back(word);
     table.rows.push_back(std::move(row));
   }
@@ -184,11 +194,12 @@ TextTable chain_table(const EdgeMap& map, double polygon_px) {
 
 TextTable edge_point_table(const EdgeMap& map, double curvature_px) {
   TextTable table;
-  table.columns = {{"chain", ""},         {"x", "px"}, {"y", "px"},    {"sigma", "px"},  {"normal", "deg"},
-                   {"amplitude", "grey"}, {"s", "px"}, {"psi", "deg"}, {"curvature", ""}};
+  table.columns = {{"chain", ""},          {"x", "px"}, {"y", "px"},    {"sigma", "px"},      {"normal", "deg"},
+                   {"amplitude", "grey"},  {"s", "px"}, {"psi", "deg"}, {"sigma_psi", "deg"}, {"curvature", ""},
+                   {"sigma_curvature", ""}};
   for (std::size_t c = 0; c < map.chains.size(); ++c) {
-    const auto shape = psi_s(curve_of(map, map.chains[c]), map.chains[c].is_closed, curvature_px);
     const auto points = map.points_of(map.chains[c]);
+    const auto shape = psi_s(points, map.chains[c].is_closed, map.along_px, curvature_px);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const EdgePoint& p = points[i];
       const bool has_shape = i < shape.size();
@@ -196,7 +207,9 @@ TextTable edge_point_table(const EdgeMap& map, double curvature_px) {
                             number(std::atan2(p.normal.y(), p.normal.x()) * kDegrees, 1), number(p.amplitude, 1),
                             has_shape ? number(shape[i].s_px, 2) : "-",
                             has_shape ? number(shape[i].psi_rad * kDegrees, 2) : "-",
-                            has_shape ? number(shape[i].curvature_per_px, 5) : "-"});
+                            has_shape ? number(shape[i].sigma_psi_rad * kDegrees, 2) : "-",
+                            has_shape ? number(shape[i].curvature_per_px, 5) : "-",
+                            has_shape ? number(shape[i].sigma_curvature, 5) : "-"});
     }
   }
   return table;
@@ -217,18 +230,18 @@ TextTable code_table(const EdgeMap& map) {
 
 TextTable descriptor_table(const EdgeMap& map) {
   TextTable table;
-  table.columns = {{"chain", ""}, {"radius", "px"}};
-  for (int n = -kHarmonics; n <= kHarmonics; ++n)
-    if (n != 0 && n != 1) table.columns.push_back({fmt::format("{}{}", n < 0 ? "m" : "p", std::abs(n)), ""});
+  table.columns = {{"chain", ""}, {"radius", "px"}, {"sigma_radius", "px"}};
+  for (const char* sigma : {"", "sigma_"})
+    for (int n = -kHarmonics; n <= kHarmonics; ++n)
+      if (n != 0 && n != 1) table.columns.push_back({fmt::format("{}{}{}", sigma, n < 0 ? "m" : "p", std::abs(n)), ""});
   for (std::size_t c = 0; c < map.chains.size(); ++c) {
     if (!map.chains[c].is_closed) continue;
-    Curve curve = curve_of(map, map.chains[c]);
-    if (area_of(curve) < 0) std::reverse(curve.begin(), curve.end());
-    const FourierDescriptors d = fourier_descriptors(curve, true, kHarmonics);
-    if (d.at.empty()) continue;
-    std::vector<std::string> row{std::to_string(c + 1), number(std::abs(d(1)), 3)};
-    for (const double value : d.invariants()) row.push_back(number(value, 5));
-    if (row.size() == table.columns.size()) table.rows.push_back(std::move(row));
+    const EdgeDescriptors d = edge_descriptors(map.points_of(map.chains[c]), map.along_px, kHarmonics);
+    if (d.invariants.empty()) continue;
+    std::vector<std::string> row{std::to_string(c + 1), number(d.radius_px, 3), number(d.sigma_radius_px, 3)};
+    for (const double value : d.invariants) row.push_back(number(value, 5));
+    for (const double sigma : d.sigmas) row.push_back(number(sigma, 5));
+    table.rows.push_back(std::move(row));
   }
   return table;
 }

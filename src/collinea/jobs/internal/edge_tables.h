@@ -21,7 +21,7 @@ namespace collinea {
 [[nodiscard]] TextTable table_of(const std::vector<EdgeEllipse>& ellipses);
 /// With names in place of numbers where there are any.
 [[nodiscard]] TextTable table_of(const std::vector<Target>& targets, const std::vector<std::string>& names);
-[[nodiscard]] TextTable table_of(const std::vector<FoundShape>& shapes);
+[[nodiscard]] TextTable table_of(const std::vector<FoundShape>& shapes, const ShapeSearch& search);
 
 /// Chains, with the vertices of their polygons counted.
 [[nodiscard]] TextTable chain_table(const EdgeMap& map, double polygon_px);
