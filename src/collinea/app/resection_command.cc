@@ -25,7 +25,7 @@ Command resection_command() {
       },
       [](Asked& asked, Console&) -> Result<std::string> {
         COLLINEA_TRY(const ResectionReport report, resect_from_tables(asked.measurements, asked.ground, asked.options));
-        if (asked.out) COLLINEA_TRY(write_result_tables(resection_tables(report), *asked.out));
+        if (asked.out) COLLINEA_TRY(write_result_tables(resection_tables(report), report.findings, *asked.out));
         return resection_text(report);
       });
 }

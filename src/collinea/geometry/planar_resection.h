@@ -29,6 +29,15 @@ struct PlanarResection {
   double danger_off = 0;     ///< of the station off that circle: positive outside
 };
 
+/// The circle through points of the plane, by least squares of more than three: a station on it sees them under the
+/// same angles from everywhere. Nothing with fewer than three, or when they lie on a line.
+struct DangerCircle {
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  double radius = 0;
+  double points_off = 0;  ///< RMS of the points off it; 0 of three
+};
+[[nodiscard]] std::optional<DangerCircle> danger_circle(std::span<const Eigen::Vector2d> points);
+
 /// By the circles of three directions in closed form (all triples, 200 at most), then least squares of all. Nothing
 /// with fewer than three, when the points coincide, or when the station is on the danger circle of the points.
 [[nodiscard]] std::optional<PlanarResection> planar_resection(std::span<const PlanarDirection> directions);

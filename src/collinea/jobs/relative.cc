@@ -8,7 +8,9 @@
 #include "collinea/base/file.h"
 #include "collinea/camera/camera.h"
 #include "collinea/io/text_table.h"
+#include "collinea/jobs/internal/orientation_findings.h"
 #include "collinea/jobs/internal/pose_estimates.h"
+#include "collinea/report/findings_text.h"
 
 namespace collinea {
 namespace {
@@ -128,6 +130,7 @@ Result<> write_tables(const RelativeReport& report, const fs::path& folder) {
   COLLINEA_TRY(write_file(folder / "residuals.txt", text_of(relative_residual_table(report))));
   COLLINEA_TRY(write_file(folder / "model.txt", text_of(relative_model_table(report))));
   COLLINEA_TRY(write_file(folder / "exterior.txt", text_of(relative_exterior_table(report))));
+  COLLINEA_TRY(write_file(folder / "findings.json", findings_json_text(report.findings)));
   return write_file(folder / "geometry.svg", pair_shape_svg(report));
 }
 
@@ -161,6 +164,7 @@ Result<RelativeReport> orient_pair(const fs::path& measurements, const RelativeP
     COLLINEA_TRY(scale_by(distances, report).map_error(in_distances));
   }
   set_pose(report);
+  report.findings = relative_findings(report);
   if (options.out) COLLINEA_TRY(write_tables(report, *options.out));
   return report;
 }

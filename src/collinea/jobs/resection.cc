@@ -8,6 +8,7 @@
 #include <map>
 
 #include "collinea/io/number_rows.h"
+#include "collinea/jobs/internal/image_findings.h"
 #include "collinea/jobs/internal/pose_estimates.h"
 #include "collinea/jobs/internal/resection_linear.h"
 #include "collinea/jobs/internal/resection_matrix.h"
@@ -212,16 +213,22 @@ Result<ResectionReport> by_collinearity(ResectionTables& tables, const ResectOne
   return report;
 }
 
+Result<ResectionReport> by_method(ResectionTables& tables, const ResectOneOptions& options) {
+  if (options.method == ResectionMethod::kCollinearity) return by_collinearity(tables, options);
+  if (options.method == ResectionMethod::kLinear) return by_linear_pose(tables, options);
+  if (options.method == ResectionMethod::kStation) return of_station(tables, options);
+  return by_transformation(tables, options);
+}
+
 }  // namespace
 
 Result<ResectionReport> resect_from_tables(const std::filesystem::path& measurements,
                                            const std::filesystem::path& ground, const ResectOneOptions& options) {
   COLLINEA_TRY(validate(options));
   COLLINEA_TRY(ResectionTables tables, read_resection_tables(measurements, ground, options));
-  if (options.method == ResectionMethod::kCollinearity) return by_collinearity(tables, options);
-  if (options.method == ResectionMethod::kLinear) return by_linear_pose(tables, options);
-  if (options.method == ResectionMethod::kStation) return of_station(tables, options);
-  return by_transformation(tables, options);
+  COLLINEA_TRY(ResectionReport report, by_method(tables, options));
+  report.findings = resection_findings(report, options);
+  return report;
 }
 
 }  // namespace collinea

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "collinea/base/finding.h"
 #include "collinea/epipolar/model_points.h"
 #include "collinea/epipolar/pair_point.h"
 #include "collinea/epipolar/pair_shape.h"
@@ -46,6 +47,7 @@ struct RelativeReport {
   };
   std::vector<Distance> distances;   ///< measured on the object
   std::optional<ScaledPair> scaled;  ///< by them; orientation, base and model are those of it
+  std::vector<Finding> findings;
 };
 
 /// For a terminal: elements with standard deviations and correlations, residuals, tests, the geometry of the pair.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "collinea/base/finding.h"
 #include "collinea/orient/space_resection.h"
 #include "collinea/report/single_step.h"
 
@@ -58,6 +59,7 @@ struct ResectionReport {
   std::vector<Mark> marks;
   std::vector<Point> tie_points;
   VarianceTest variance;
+  std::vector<Finding> findings;
 
   [[nodiscard]] bool is_station() const { return kind == Kind::kStation; }
 };

@@ -87,6 +87,17 @@ void add_marks(const ResectionTables& tables, const PlanarResection& found, Rese
   }
 }
 
+void set_danger(const ResectionTables& tables, const Vector2d& station, ResectionReport::Image& image) {
+  std::vector<Vector2d> points;
+  for (const PlanarDirection& one : directions_of(tables).directions) points.push_back(one.to);
+  const auto circle = danger_circle(points);
+  if (!circle) return;
+  image.danger = DangerCylinder{circle->radius,
+                                circle->points_off,
+                                (station - circle->centre).norm() - circle->radius,
+                                {circle->centre.x(), circle->centre.y(), 0}};
+}
+
 }  // namespace
 
 Result<ResectionReport> of_station(ResectionTables& tables, const ResectOneOptions& options) {
@@ -113,7 +124,7 @@ Result<ResectionReport> of_station(ResectionTables& tables, const ResectOneOptio
                     {"Y", "m", found->station.y()},
                     {"orientation", "deg", found->orientation_rad * kDegrees}};
   add_sigmas(image.exterior, image.covariance);
-  image.danger = DangerCylinder{found->danger_radius, 0, found->danger_off};
+  set_danger(tables, found->station, image);
   report.images.push_back(std::move(image));
   add_marks(tables, *found, report);
   return report;
