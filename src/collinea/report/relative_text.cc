@@ -288,9 +288,44 @@ std::string distances_text(const RelativeReport& report) {
   return text;
 }
 
+// What is given in its three forms, and the points for it.
+std::string given_text(const RelativeReport& report) {
+  std::string text = fmt::format("the orientation is as given, {}: nothing is solved\n", word_of(*report.given_form));
+  if (const auto d = dependent(report))
+    text += fmt::format("dependent pair, bx = {:g}:\n", d->elements.bx) + list_text(dependent_list(*d), d->covariance);
+  else
+    text += "dependent pair: the base has no component along x, by and bz are without bound\n";
+  const SymmetricWithCovariance s = symmetric(report);
+  text += "symmetric pair (independent), omega1 = 0:\n" + list_text(symmetric_list(s), s.covariance);
+  text += fmt::format("exterior orientation of the right image in the axes of the left one, base {:.6g}{}:\n",
+                      report.base, report.base_is_given ? " m" : "");
+  std::vector<Estimate> exterior;
+  static constexpr std::array<const char*, 6> kNames = {"X", "Y", "Z", "omega", "phi", "kappa"};
+  for (std::size_t k = 0; k < 6; ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    exterior.push_back({kNames[k], k < 3 ? (report.base_is_given ? "m" : "") : "deg", report.right_pose(i),
+                        std::sqrt(std::max(0.0, report.right_covariance(i, i)))});
+  }
+  text += estimates_text(exterior);
+  if (!report.coplanarity) return text;
+  double squares = 0;
+  for (const PointCoplanarity& one : report.coplanarity->points) squares += one.gap * one.gap;
+  text += fmt::format("coplanarity of {}, {} of them in front of both images:\n",
+                      counted_text(report.names.size(), "point"), report.orientation.in_front) +
+          indented_rows(relative_coplanarity_table(report));
+  text += fmt::format("gap, root mean square: {:.4f} {}\n",
+                      std::sqrt(squares / double(report.names.size())) * report.frame.camera.focal_px(),
+                      report.frame.unit());
+  return text +
+         fmt::format("sigma0 of all conditions by the sigmas of points and elements: {:.3f}\n",
+                     report.coplanarity->sigma0) +
+         findings_text(report.findings);
+}
+
 }  // namespace
 
 std::string relative_text(const RelativeReport& report) {
+  if (report.given_form) return given_text(report);
   return head(report) + elements_text(report) + linear_text(report) + residuals_text(report) + distances_text(report) +
          shape_text(report) + findings_text(report.findings);
 }

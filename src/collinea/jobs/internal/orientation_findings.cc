@@ -122,6 +122,24 @@ std::vector<Finding> relative_findings(const RelativeReport& report) {
   return findings;
 }
 
+std::vector<Finding> given_relative_findings(const RelativeReport& report) {
+  const RelativeOrientation& orientation = report.orientation;
+  std::vector<Finding> findings;
+  if (orientation.in_front < kInFront * orientation.used)
+    findings.push_back(
+        finding_of(C::kPointsBehind, {},
+                   {{F::kCount, double(orientation.used - orientation.in_front)}, {F::kOf, double(orientation.used)}},
+                   {RemedyCode::kCheckAssignment}));
+  if (!report.options.sigma_known) return findings;
+  std::vector<MeasurementTest> tests;
+  for (std::size_t i = 0; i < report.names.size(); ++i)
+    tests.push_back({report.names[i], "", std::abs(report.coplanarity->points[i].w)});
+  // Nothing is estimated: each point is a condition that checks the elements.
+  add_measurement_findings(
+      {report.coplanarity->sigma0, static_cast<int>(report.names.size()), true, report.options.alpha}, tests, findings);
+  return findings;
+}
+
 std::vector<Finding> triplet_findings(const TripletReport& report) {
   std::vector<Finding> findings;
   const auto& all = report.joined.combinations;

@@ -26,6 +26,9 @@ void add_choice_findings(const RelativeOrientation& orientation, std::span<const
 /// residuals against stated sigmas.
 [[nodiscard]] std::vector<Finding> relative_findings(const RelativeReport& report);
 
+/// Points for elements that are given: behind an image, against each other and their sigmas.
+[[nodiscard]] std::vector<Finding> given_relative_findings(const RelativeReport& report);
+
 /// The same of three images, and combinations of their pairs that are not one and its mirror image.
 [[nodiscard]] std::vector<Finding> triplet_findings(const TripletReport& report);
 
