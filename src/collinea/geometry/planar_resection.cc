@@ -179,6 +179,35 @@ std::optional<DangerCircle> danger_circle(std::span<const Vector2d> points) {
   return out;
 }
 
+std::optional<OpenArc> open_arc(std::span<const PlanarDirection> directions) {
+  constexpr double kExact = 1e-6;  // what planar_resection() takes as on the circle
+  std::vector<Vector2d> points;
+  for (const PlanarDirection& one : directions) points.push_back(one.to);
+  const auto circle = danger_circle(points);
+  if (!circle || !(circle->points_off <= kExact * circle->radius)) return std::nullopt;
+  std::vector<double> angles;
+  for (const Vector2d& point : points)
+    angles.push_back(std::atan2(point.y() - circle->centre.y(), point.x() - circle->centre.x()));
+  std::sort(angles.begin(), angles.end());
+  std::optional<OpenArc> best;
+  for (std::size_t i = 0; i < angles.size(); ++i) {
+    const double from = angles[i], to = i + 1 < angles.size() ? angles[i + 1] : angles[0] + 2 * kPi;
+    const double middle = (from + to) / 2;
+    const Vector2d station = circle->centre + circle->radius * Vector2d(std::cos(middle), std::sin(middle));
+    double squares = 0;
+    bool fits = to > from;
+    const std::vector<double> misfits = misfits_at(directions, station, orientation_at(directions, station));
+    for (std::size_t k = 0; k < misfits.size(); ++k) {
+      const double misfit_rad = misfits[k] * directions[k].sigma_rad;
+      squares += misfit_rad * misfit_rad;
+      fits = fits && (std::abs(misfits[k]) <= 3 || std::abs(misfit_rad) <= kExact);
+    }
+    const double rms = std::sqrt(squares / double(misfits.size()));
+    if (fits && (!best || rms < best->misfit_rad)) best = OpenArc{*circle, from, to, rms};
+  }
+  return best;
+}
+
 std::optional<PlanarResection> planar_resection(std::span<const PlanarDirection> directions) {
   if (directions.size() < 3) return std::nullopt;
   const auto start = best_start(directions);

@@ -20,10 +20,13 @@ constexpr double kNearCircle = 0.1;  // of the station off the circle, over the 
 // Rays from positions apart by a tenth of the distance: depth is known ten times worse than the position across.
 const double kNarrow_rad = std::atan(0.1);
 
+Subject subject_of(const ResectionReport& report, const ResectionReport::Image& image) {
+  return report.is_station() ? Subject::point(image.name) : Subject::image_named(image.name);
+}
+
 void add_pose(const ResectionReport& report, const ResectionReport::Image& image, const ResectOneOptions& options,
               std::vector<Finding>& findings) {
-  const std::vector<Subject> subjects{report.is_station() ? Subject::point(image.name)
-                                                          : Subject::image_named(image.name)};
+  const std::vector<Subject> subjects{subject_of(report, image)};
   if (const auto count = double(image.solutions.size()); count > 1) {
     const bool is_decided = report.variance.redundancy > 0 || options.near;
     findings.push_back(is_decided ? finding_of(C::kSolutionChosen, subjects, {{F::kCount, count}})
@@ -35,13 +38,18 @@ void add_pose(const ResectionReport& report, const ResectionReport::Image& image
   if (image.conditioning && image.conditioning->ratio < kWeakRatio)
     findings.push_back(
         finding_of(C::kPoseWeak, subjects, {{F::kRatio, image.conditioning->ratio}}, {RemedyCode::kSpreadControl}));
+}
+
+// Where the station is open every position on the arc is on the circle.
+void add_danger(const ResectionReport& report, const ResectionReport::Image& image, std::vector<Finding>& findings) {
   if (!image.danger) return;
   const DangerCylinder& danger = *image.danger;
-  if (danger.points_off_m < kOnCircle * danger.radius_m &&
-      std::abs(danger.centre_off_m) < kNearCircle * danger.radius_m)
-    findings.push_back(finding_of(C::kDangerCircle, subjects,
-                                  {{F::kRadius, danger.radius_m}, {F::kOffset, std::abs(danger.centre_off_m)}},
-                                  {RemedyCode::kLeaveCircle}));
+  if (!(danger.points_off_m < kOnCircle * danger.radius_m) ||
+      !(std::abs(danger.centre_off_m) < kNearCircle * danger.radius_m))
+    return;
+  findings.push_back(finding_of(C::kDangerCircle, {subject_of(report, image)},
+                                {{F::kRadius, danger.radius_m}, {F::kOffset, std::abs(danger.centre_off_m)}},
+                                {RemedyCode::kLeaveCircle}));
 }
 
 void add_unseen(const IntersectionReport& report, std::vector<Finding>& findings) {
@@ -171,9 +179,18 @@ std::vector<Finding> resection_findings(const ResectionReport& report, const Res
       rejected.push_back(Subject::point(mark.point));
     else
       tests.push_back({mark.point, report.is_station() ? "" : mark.image, mark.w.cwiseAbs().maxCoeff()});
-  for (const ResectionReport::Image& image : report.images) add_pose(report, image, options, findings);
+  for (const ResectionReport::Image& image : report.images) {
+    add_pose(report, image, options, findings);
+    add_danger(report, image, findings);
+  }
   add_measurement_findings(report.variance, tests, findings);
   add_rejected_finding(C::kMeasurementsRejected, rejected, report.marks.size(), findings);
+  return findings;
+}
+
+std::vector<Finding> danger_findings(const ResectionReport& report) {
+  std::vector<Finding> findings;
+  for (const ResectionReport::Image& image : report.images) add_danger(report, image, findings);
   return findings;
 }
 

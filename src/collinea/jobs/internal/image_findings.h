@@ -18,6 +18,9 @@ namespace collinea {
 /// that contradict or were rejected, residuals against stated sigmas.
 [[nodiscard]] std::vector<Finding> resection_findings(const ResectionReport& report, const ResectOneOptions& options);
 
+/// Images whose control lies on a circle, with the station near it or near the cylinder over it.
+[[nodiscard]] std::vector<Finding> danger_findings(const ResectionReport& report);
+
 /// Points of one image, rays that do not meet or meet at small angles, orientations without sigmas, residuals against
 /// stated sigmas.
 [[nodiscard]] std::vector<Finding> intersection_findings(const IntersectionReport& report);
