@@ -24,7 +24,7 @@ Command absolute_command() {
       },
       [](Asked& asked, Console&) -> Result<std::string> {
         COLLINEA_TRY(const AbsoluteReport report, orient_absolutely(asked.model, asked.ground, asked.options));
-        if (asked.out) COLLINEA_TRY(write_result_tables(absolute_tables(report), *asked.out));
+        if (asked.out) COLLINEA_TRY(write_result_tables(absolute_tables(report), report.findings, *asked.out));
         return absolute_text(report);
       });
 }

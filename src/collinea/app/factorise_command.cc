@@ -23,7 +23,7 @@ Command factorise_command() {
       },
       [](Asked& asked, Console&) -> Result<std::string> {
         COLLINEA_TRY(const FactorisationReport report, factorise_table(asked.measurements, asked.options));
-        if (asked.out) COLLINEA_TRY(write_result_tables(factorisation_tables(report), *asked.out));
+        if (asked.out) COLLINEA_TRY(write_result_tables(factorisation_tables(report), report.findings, *asked.out));
         return factorisation_text(report);
       });
 }

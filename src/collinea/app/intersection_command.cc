@@ -26,7 +26,7 @@ Command intersection_command() {
       [](Asked& asked, Console& console) -> Result<std::string> {
         COLLINEA_TRY(const IntersectionReport report,
                      intersect_from_tables(asked.measurements, asked.orientation, asked.options, console.run()));
-        if (asked.out) COLLINEA_TRY(write_result_tables(intersection_tables(report), *asked.out));
+        if (asked.out) COLLINEA_TRY(write_result_tables(intersection_tables(report), report.findings, *asked.out));
         return intersection_text(report);
       });
 }

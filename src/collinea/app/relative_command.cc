@@ -14,7 +14,8 @@ Command relative_command() {
   return console_command<Asked>(
       "relative", "relative orientation of two images, and the coordinates of their model",
       [](Flags& flags, Asked& asked) {
-        flags.positional("measurements", asked.measurements, "table of points: point x_left y_left x_right y_right");
+        flags.positional("measurements", asked.measurements, "table of points: point x_left y_left x_right y_right",
+                         false);
         flags.add_all(asked.options, "relative");
         flags.add_all(asked.console, "run");
       },

@@ -2,14 +2,12 @@
 #include "collinea/app/commands.h"
 #include "collinea/app/console_command.h"
 #include "collinea/jobs/resection.h"
-#include "collinea/jobs/result_tables.h"
 
 namespace collinea {
 
 Command resection_command() {
   struct Asked {
     std::string measurements, ground;
-    std::optional<std::string> out;
     ResectOneOptions options;
     ConsoleOptions console;
   };
@@ -19,14 +17,11 @@ Command resection_command() {
       [](Flags& flags, Asked& asked) {
         flags.positional("measurements", asked.measurements, "table with image, point, x, y, sigma");
         flags.positional("ground", asked.ground, "table with point, X, Y, Z and sigmas");
-        flags.add("out", asked.out, "", "folder for the tables of orientation, correlations, residuals and points");
         flags.add_all(asked.options, "resection");
         flags.add_all(asked.console, "run");
       },
-      [](Asked& asked, Console&) -> Result<std::string> {
-        COLLINEA_TRY(const ResectionReport report, resect_from_tables(asked.measurements, asked.ground, asked.options));
-        if (asked.out) COLLINEA_TRY(write_result_tables(resection_tables(report), *asked.out));
-        return resection_text(report);
+      [](Asked& asked, Console&) {
+        return resect_from_tables(asked.measurements, asked.ground, asked.options).map(resection_text);
       });
 }
 

@@ -24,7 +24,7 @@ Command triplet_command() {
       },
       [](Asked& asked, Console&) -> Result<std::string> {
         COLLINEA_TRY(const TripletReport report, orient_triplet(asked.measurements, asked.options));
-        if (asked.out) COLLINEA_TRY(write_result_tables(triplet_tables(report), *asked.out));
+        if (asked.out) COLLINEA_TRY(write_result_tables(triplet_tables(report), report.findings, *asked.out));
         return triplet_text(report);
       });
 }

@@ -159,6 +159,39 @@ constexpr CodeRow kCodes[] = {
     {C::kModelPointsOnLine, "model_points_on_line", kWeak, F::kCount, F::kRatio},
     {C::kModelUnchecked, "model_unchecked", kWeak, F::kValue},
     {C::kPairMakesNoModel, "pair_makes_no_model", kWrong},
+    {C::kNothingChecks, "nothing_checks", kWeak},
+    {C::kMeasurementContradicts, "measurement_contradicts", kWrong, F::kTest, F::kLimit},
+    {C::kMeasurementsRejected, "measurements_rejected", kNote, F::kCount, F::kOf},
+    {C::kFewPoints, "few_points", kWeak, F::kCount, F::kLimit},
+    {C::kSolutionsOpen, "solutions_open", kWrong, F::kCount},
+    {C::kSolutionChosen, "solution_chosen", kNote, F::kCount},
+    {C::kPointsBehind, "points_behind", kWrong, F::kCount, F::kOf},
+    {C::kPoseWeak, "pose_weak", kWeak, F::kRatio},
+    {C::kDangerCircle, "danger_circle", kWeak, F::kRadius, F::kOffset},
+    {C::kPoseOpen, "pose_open", kWeak},
+    {C::kSeenOnce, "seen_once", kWeak, F::kCount},
+    {C::kRaysWithoutPoint, "rays_without_point", kWrong, F::kCount},
+    {C::kRaysNarrow, "rays_narrow", kWeak, F::kCount, F::kAngle, F::kLimit},
+    {C::kRaysMiss, "rays_miss", kWrong, F::kCount, F::kTest, F::kLimit},
+    {C::kOrientationsExact, "orientations_exact", kNote},
+    {C::kCombinationsOpen, "combinations_open", kWeak, F::kCount},
+    {C::kControlFew, "control_few", kWeak, F::kCount, F::kHeights},
+    {C::kControlOnLine, "control_on_line", kWeak, F::kCount, F::kRatio},
+    {C::kControlRejected, "control_rejected", kNote, F::kCount, F::kOf},
+    {C::kRankNearThree, "rank_near_three", kWeak, F::kRatio},
+    {C::kNotInAllImages, "not_in_all_images", kNote, F::kCount, F::kOf},
+    {C::kOneCalibrationRefuted, "one_calibration_refuted", kWrong, F::kRatio, F::kChance},
+    {C::kStatedCameraRefuted, "stated_camera_refuted", kWrong, F::kRatio, F::kChance},
+    {C::kNoEuclideanForm, "no_euclidean_form", kWrong},
+    {C::kCameraFitsNot, "camera_fits_not", kWrong},
+    {C::kPrincipalDistanceWeak, "principal_distance_weak", kWeak, F::kRelative},
+    {C::kFiducialsContradict, "fiducials_contradict", kWrong, F::kRatio, F::kOffset},
+    {C::kFiducialsLeftOut, "fiducials_left_out", kWeak, F::kCount, F::kOf},
+    {C::kFiducialsMissing, "fiducials_missing", kNote, F::kCount, F::kOf},
+    {C::kFiducialsUnknown, "fiducials_unknown", kWrong, F::kCount},
+    {C::kReadingsContested, "readings_contested", kWeak, F::kCount},
+    {C::kReadingsGross, "readings_gross", kNote, F::kCount},
+    {C::kSeenFromBehind, "seen_from_behind", kNote},
 };
 
 struct FigureRow {
@@ -214,6 +247,8 @@ constexpr FigureRow kFigures[] = {
     {F::kFocalGiven, "focal_given_px", "px"},
     {F::kTest, "test", "1"},
     {F::kWanted, "wanted_m", "m"},
+    {F::kAngle, "angle_deg", "deg"},
+    {F::kRadius, "radius_m", "m"},
 };
 
 struct KindRow {
@@ -237,6 +272,8 @@ constexpr KindRow kKinds[] = {
     {SubjectKind::kCrs, "crs"},
     {SubjectKind::kProduct, "product"},
     {SubjectKind::kModel, "model"},
+    {SubjectKind::kPoint, "point"},
+    {SubjectKind::kMark, "mark"},
 };
 
 struct AspectRow {
@@ -338,6 +375,20 @@ constexpr RemedyRow kRemedies[] = {
     {R::kLengthenBase, "lengthen_base"},
     {R::kShareModelPoints, "share_model_points"},
     {R::kStateSigmas, "state_sigmas"},
+    {R::kMeasureMorePoints, "measure_more_points"},
+    {R::kMeasureAgain, "measure_again"},
+    {R::kSpreadControl, "spread_control"},
+    {R::kLeaveCircle, "leave_circle"},
+    {R::kGiveFourthPoint, "give_fourth_point"},
+    {R::kGiveHeightMore, "give_height_more"},
+    {R::kGiveControlAtEdges, "give_control_at_edges"},
+    {R::kCheckAssignment, "check_assignment"},
+    {R::kStateOrientationSigmas, "state_orientation_sigmas"},
+    {R::kMeasureInMoreImages, "measure_in_more_images"},
+    {R::kTakeWiderBase, "take_wider_base"},
+    {R::kGivePrincipalDistance, "give_principal_distance"},
+    {R::kReadMarksAgain, "read_marks_again"},
+    {R::kCompareMarkNames, "compare_mark_names"},
 };
 
 static_assert(is_in_order(kCodes, kFindingCodes, &CodeRow::code));
@@ -354,33 +405,29 @@ const Row& row_in(const Row (&rows)[Size], Enum value) {
 
 const CodeRow& row_of(C code) { return row_in(kCodes, code); }
 
+Subject named(SubjectKind kind, std::string name) {
+  Subject subject(kind, Subject::kAll);
+  subject.name = std::move(name);
+  return subject;
+}
+
 }  // namespace
 
 Subject Subject::geodetic(std::size_t index) { return {SubjectKind::kGeodetic, static_cast<std::uint32_t>(index)}; }
 
-Subject Subject::file(std::string name) {
-  Subject subject(SubjectKind::kFile, kAll);
-  subject.name = std::move(name);
-  return subject;
-}
+Subject Subject::file(std::string name) { return named(SubjectKind::kFile, std::move(name)); }
 
-Subject Subject::crs(std::string name) {
-  Subject subject(SubjectKind::kCrs, kAll);
-  subject.name = std::move(name);
-  return subject;
-}
+Subject Subject::crs(std::string name) { return named(SubjectKind::kCrs, std::move(name)); }
 
-Subject Subject::model(std::string name) {
-  Subject subject(SubjectKind::kModel, kAll);
-  subject.name = std::move(name);
-  return subject;
-}
+Subject Subject::model(std::string name) { return named(SubjectKind::kModel, std::move(name)); }
 
-Subject Subject::control_named(std::string name) {
-  Subject subject(SubjectKind::kControlPoint, kAll);
-  subject.name = std::move(name);
-  return subject;
-}
+Subject Subject::control_named(std::string name) { return named(SubjectKind::kControlPoint, std::move(name)); }
+
+Subject Subject::point(std::string name) { return named(SubjectKind::kPoint, std::move(name)); }
+
+Subject Subject::mark(std::string name) { return named(SubjectKind::kMark, std::move(name)); }
+
+Subject Subject::image_named(std::string name) { return named(SubjectKind::kImage, std::move(name)); }
 
 std::optional<ImageId> Subject::image() const {
   if (kind != SubjectKind::kImage || id == kAll) return std::nullopt;

@@ -162,8 +162,42 @@ enum class FindingCode : std::uint8_t {
   kModelPointsOnLine,   ///< a model that is joined by points near a line
   kModelUnchecked,      ///< a model that nothing checks
   kPairMakesNoModel,    ///< the detail is why
+  // Single steps of orientation: points, marks and images by their names
+  kNothingChecks,           ///< as many measurements as unknowns
+  kMeasurementContradicts,  ///< one of a point (in an image) against the others; it takes part all the same
+  kMeasurementsRejected,    ///< contradict the others and take no part
+  kFewPoints,               ///< of an orientation
+  kSolutionsOpen,           ///< several orientations fit as well
+  kSolutionChosen,          ///< of several that fit as well, by what is known otherwise
+  kPointsBehind,            ///< rays meet behind an image
+  kPoseWeak,                ///< control that hardly determines the pose of an image
+  kDangerCircle,            ///< control on a circle, and the station near it or near the cylinder over it
+  kPoseOpen,                ///< no pose follows from a projection matrix alone
+  kSeenOnce,                ///< points in one oriented image
+  kRaysWithoutPoint,        ///< rays that are parallel or meet behind an image
+  kRaysNarrow,              ///< rays that meet at small angles
+  kRaysMiss,                ///< two rays that do not meet, and nothing tells which is wrong
+  kOrientationsExact,       ///< no standard deviations of the orientations that points are intersected with
+  kCombinationsOpen,        ///< of two pairs: not one and its mirror image
+  kControlFew,              ///< for an absolute orientation
+  kControlOnLine,           ///< nearly
+  kControlRejected,         ///< contradicts the others and takes no part
+  kRankNearThree,           ///< projective cameras that are hardly determined: points near a plane
+  kNotInAllImages,          ///< points that not all images show
+  kOneCalibrationRefuted,   ///< of all images
+  kStatedCameraRefuted,     ///< by self-calibration
+  kNoEuclideanForm,         ///< the detail is why
+  kCameraFitsNot,           ///< no orientation with the stated camera: the detail is why
+  kPrincipalDistanceWeak,   ///< of a self-calibration
+  kFiducialsContradict,     ///< marks of a film against each other beyond what film and readings do
+  kFiducialsLeftOut,        ///< misread
+  kFiducialsMissing,        ///< not measured, or not found
+  kFiducialsUnknown,        ///< measured, and not in the calibration
+  kReadingsContested,       ///< of a mark, none of which is outvoted
+  kReadingsGross,           ///< left out
+  kSeenFromBehind,          ///< a scan of a film from its back
 };
-inline constexpr std::size_t kFindingCodes = static_cast<std::size_t>(FindingCode::kPairMakesNoModel) + 1;
+inline constexpr std::size_t kFindingCodes = static_cast<std::size_t>(FindingCode::kSeenFromBehind) + 1;
 
 /// What a figure is. Its unit belongs to it; both are in the word: "offset_m".
 enum class FigureName : std::uint8_t {
@@ -214,8 +248,10 @@ enum class FigureName : std::uint8_t {
   kFocalGiven,  ///< before any adjustment [px]
   kTest,        ///< standardised residual w [1]
   kWanted,      ///< a standard deviation that is wanted [m]
+  kAngle,       ///< [deg]
+  kRadius,      ///< [m]
 };
-inline constexpr std::size_t kFigureNames = static_cast<std::size_t>(FigureName::kWanted) + 1;
+inline constexpr std::size_t kFigureNames = static_cast<std::size_t>(FigureName::kRadius) + 1;
 
 /// A number of a finding.
 struct Figure {
@@ -249,9 +285,11 @@ enum class SubjectKind : std::uint8_t {
   kCrs,      ///< by name
   kProduct,  ///< id: of Product
   kModel,    ///< an independent model, by name
+  kPoint,    ///< a measured point that is in no block, by name
+  kMark,     ///< a fiducial mark, by name
 };
 
-inline constexpr std::size_t kSubjectKinds = static_cast<std::size_t>(SubjectKind::kModel) + 1;
+inline constexpr std::size_t kSubjectKinds = static_cast<std::size_t>(SubjectKind::kMark) + 1;
 
 /// Products of steps.
 enum class Product : std::uint8_t { kSurfaceModel, kTerrainModel, kOrthophoto };
@@ -320,6 +358,9 @@ struct Subject {
   [[nodiscard]] static Subject crs(std::string name);
   [[nodiscard]] static Subject model(std::string name);
   [[nodiscard]] static Subject control_named(std::string name);  ///< a point that is in no block
+  [[nodiscard]] static Subject point(std::string name);
+  [[nodiscard]] static Subject mark(std::string name);
+  [[nodiscard]] static Subject image_named(std::string name);  ///< an image that is in no block
 
   /// The id, where the subject is of that kind.
   [[nodiscard]] std::optional<ImageId> image() const;
@@ -393,10 +434,24 @@ enum class RemedyCode : std::uint8_t {
   kSpreadPairPoints,  ///< over all parts of the overlap
   kGiveControlInCorners,
   kLengthenBase,
-  kShareModelPoints,  ///< more, off one line, with the neighbouring models
-  kStateSigmas,       ///< that the measurements have
+  kShareModelPoints,    ///< more, off one line, with the neighbouring models
+  kStateSigmas,         ///< that the measurements have
+  kMeasureMorePoints,   ///< well spread
+  kMeasureAgain,        ///< or leave it out
+  kSpreadControl,       ///< over the image and in height
+  kLeaveCircle,         ///< by a point off it
+  kGiveFourthPoint,     ///< or an approximate position
+  kGiveHeightMore,      ///< of a further point
+  kGiveControlAtEdges,  ///< four full points and a height
+  kCheckAssignment,     ///< of left and right, and how y is counted
+  kStateOrientationSigmas,
+  kMeasureInMoreImages,
+  kTakeWiderBase,  ///< images from farther apart
+  kGivePrincipalDistance,
+  kReadMarksAgain,
+  kCompareMarkNames,  ///< readings and calibration
 };
-inline constexpr std::size_t kRemedyCodes = static_cast<std::size_t>(RemedyCode::kStateSigmas) + 1;
+inline constexpr std::size_t kRemedyCodes = static_cast<std::size_t>(RemedyCode::kCompareMarkNames) + 1;
 
 /// One thing that helps. Several of a finding are alternatives, except for kDatumDefect: there each helps one subject.
 struct Remedy {

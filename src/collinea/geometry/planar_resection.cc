@@ -138,21 +138,75 @@ double robust_scale(std::vector<double> misfits) {
 }
 
 void add_danger_circle(std::span<const PlanarDirection> directions, PlanarResection& out) {
+  std::vector<Vector2d> points;
+  for (const PlanarDirection& one : directions) points.push_back(one.to);
+  const auto circle = danger_circle(points);
+  if (!circle) {  // of a line
+    out.danger_radius = out.danger_off = std::numeric_limits<double>::infinity();
+    return;
+  }
+  out.danger_radius = circle->radius;
+  out.danger_off = (out.station - circle->centre).norm() - circle->radius;
+}
+
+}  // namespace
+
+std::optional<DangerCircle> danger_circle(std::span<const Vector2d> points) {
+  constexpr double kLine = 1e-12;  // smallest over largest eigenvalue of the scaled equations: extents as 1 to 1e-6
+  if (points.size() < 3) return std::nullopt;
+  Vector2d middle = Vector2d::Zero();
+  for (const Vector2d& point : points) middle += point / double(points.size());
+  double extent = 0;
+  for (const Vector2d& point : points) extent = std::max(extent, (point - middle).norm());
+  if (!(extent > 0)) return std::nullopt;
+  // Circle x^2 + y^2 = 2 a x + 2 b y + c, about the middle and over the extent.
   Matrix3d normal = Matrix3d::Zero();
   Vector3d right = Vector3d::Zero();
-  const Vector2d origin = directions[0].to;
-  for (const PlanarDirection& one : directions) {
-    const Vector2d p = one.to - origin;
+  for (const Vector2d& point : points) {
+    const Vector2d p = (point - middle) / extent;
     const Vector3d row(2 * p.x(), 2 * p.y(), 1);
     normal += row * row.transpose();
     right += row * p.squaredNorm();
   }
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(normal, Eigen::EigenvaluesOnly);
+  if (!(eigen.eigenvalues()[0] > kLine * eigen.eigenvalues()[2])) return std::nullopt;
   const Vector3d circle = normal.ldlt().solve(right);
-  out.danger_radius = std::sqrt(circle.z() + circle.head<2>().squaredNorm());
-  out.danger_off = (out.station - origin - circle.head<2>()).norm() - out.danger_radius;
+  DangerCircle out{middle + extent * circle.head<2>(), extent * std::sqrt(circle.z() + circle.head<2>().squaredNorm())};
+  double squares = 0;
+  for (const Vector2d& point : points) squares += std::pow((point - out.centre).norm() - out.radius, 2);
+  out.points_off = std::sqrt(squares / double(points.size()));
+  if (!std::isfinite(out.radius)) return std::nullopt;
+  return out;
 }
 
-}  // namespace
+std::optional<OpenArc> open_arc(std::span<const PlanarDirection> directions) {
+  constexpr double kExact = 1e-6;  // what planar_resection() takes as on the circle
+  std::vector<Vector2d> points;
+  for (const PlanarDirection& one : directions) points.push_back(one.to);
+  const auto circle = danger_circle(points);
+  if (!circle || !(circle->points_off <= kExact * circle->radius)) return std::nullopt;
+  std::vector<double> angles;
+  for (const Vector2d& point : points)
+    angles.push_back(std::atan2(point.y() - circle->centre.y(), point.x() - circle->centre.x()));
+  std::sort(angles.begin(), angles.end());
+  std::optional<OpenArc> best;
+  for (std::size_t i = 0; i < angles.size(); ++i) {
+    const double from = angles[i], to = i + 1 < angles.size() ? angles[i + 1] : angles[0] + 2 * kPi;
+    const double middle = (from + to) / 2;
+    const Vector2d station = circle->centre + circle->radius * Vector2d(std::cos(middle), std::sin(middle));
+    double squares = 0;
+    bool fits = to > from;
+    const std::vector<double> misfits = misfits_at(directions, station, orientation_at(directions, station));
+    for (std::size_t k = 0; k < misfits.size(); ++k) {
+      const double misfit_rad = misfits[k] * directions[k].sigma_rad;
+      squares += misfit_rad * misfit_rad;
+      fits = fits && (std::abs(misfits[k]) <= 3 || std::abs(misfit_rad) <= kExact);
+    }
+    const double rms = std::sqrt(squares / double(misfits.size()));
+    if (fits && (!best || rms < best->misfit_rad)) best = OpenArc{*circle, from, to, rms};
+  }
+  return best;
+}
 
 std::optional<PlanarResection> planar_resection(std::span<const PlanarDirection> directions) {
   if (directions.size() < 3) return std::nullopt;

@@ -29,6 +29,26 @@ struct PlanarResection {
   double danger_off = 0;     ///< of the station off that circle: positive outside
 };
 
+/// The circle through points of the plane, by least squares of more than three: a station on it sees them under the
+/// same angles from everywhere. Nothing with fewer than three, or when they lie on a line.
+struct DangerCircle {
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  double radius = 0;
+  double points_off = 0;  ///< RMS of the points off it; 0 of three
+};
+[[nodiscard]] std::optional<DangerCircle> danger_circle(std::span<const Eigen::Vector2d> points);
+
+/// Where directions leave a station open: all of them are read alike from everywhere on an arc of the circle through
+/// their points.
+struct OpenArc {
+  DangerCircle circle;
+  double from_rad = 0, to_rad = 0;  ///< seen from its centre, x towards y
+  double misfit_rad = 0;            ///< root mean square of the directions there
+};
+/// Nothing when they are not: a misfit beyond three of its sigmas and 1e-6 rad on each arc between two points, or
+/// points off the circle by more than a millionth of its radius.
+[[nodiscard]] std::optional<OpenArc> open_arc(std::span<const PlanarDirection> directions);
+
 /// By the circles of three directions in closed form (all triples, 200 at most), then least squares of all. Nothing
 /// with fewer than three, when the points coincide, or when the station is on the danger circle of the points.
 [[nodiscard]] std::optional<PlanarResection> planar_resection(std::span<const PlanarDirection> directions);

@@ -83,6 +83,36 @@ TEST(PlanarResection, OnTheDangerCircleThereIsNone) {
   }
 }
 
+// On the circle the arc between two points is found on which the station lies; off it there is none, nor where the
+// points are on no circle.
+TEST(PlanarResection, OnTheDangerCircleAnArcIsOpen) {
+  const auto seen_from = [](const Vector2d& station, double fourth) {
+    std::vector<PlanarDirection> directions;
+    for (const double angle : {0.5, 1.4, 2.6, 3.3}) {
+      const double radius = angle > 3 ? fourth : 500;
+      const Vector2d to(200 + radius * std::cos(angle), 100 + radius * std::sin(angle)), d = to - station;
+      directions.push_back({to, std::atan2(d.x(), d.y()) - 0.7, 1e-8});
+    }
+    return directions;
+  };
+  for (const double at : {5.0, 1.0, 3.0}) {
+    const auto on = [&](double radius) -> Vector2d {
+      return {200 + radius * std::cos(at), 100 + radius * std::sin(at)};
+    };
+    const auto arc = open_arc(seen_from(on(500), 500));
+    ASSERT_TRUE(arc) << at;
+    EXPECT_LT((arc->circle.centre - Vector2d(200, 100)).norm(), 1e-6);
+    EXPECT_NEAR(arc->circle.radius, 500, 1e-6);
+    const double turns = std::floor((at - arc->from_rad) / (2 * M_PI)) * 2 * M_PI;
+    EXPECT_LT(at - turns, arc->to_rad);
+    EXPECT_LT(arc->misfit_rad, 1e-9);
+    EXPECT_FALSE(open_arc(seen_from(on(510), 500))) << at;
+    EXPECT_FALSE(open_arc(seen_from(on(500), 450))) << at;
+  }
+  EXPECT_FALSE(danger_circle(std::vector<Vector2d>{{0, 0}, {10, 10}, {30, 30}}));
+  EXPECT_FALSE(danger_circle(std::vector<Vector2d>{{0, 0}, {10, 10}}));
+}
+
 // Of nine directions three may be wrong (9 - 4 - 2). Right ones are rejected at 2.5 standard deviations, one in 80, and
 // more because the scale is that of few: less than one of the six in the mean.
 TEST(PlanarResection, TheLeastMedianFindsWrongDirections) {

@@ -3,6 +3,7 @@
 
 #include "collinea/jobs/internal/absolute_plane.h"
 #include "collinea/jobs/internal/absolute_tables.h"
+#include "collinea/jobs/internal/orientation_findings.h"
 
 namespace collinea {
 namespace {
@@ -58,7 +59,10 @@ Result<AbsoluteReport> orient_absolutely(const std::filesystem::path& model, con
                                          const OrientAbsoluteOptions& options) {
   COLLINEA_TRY(validate(options));
   COLLINEA_TRY(AbsoluteTables control, read_absolute_tables(model, ground, options));
-  return options.method == AbsoluteMethod::kPlane ? orient_in_plane(control, options) : in_space(control, options);
+  COLLINEA_TRY(AbsoluteReport report, options.method == AbsoluteMethod::kPlane ? orient_in_plane(control, options)
+                                                                               : in_space(control, options));
+  report.findings = absolute_findings(report, control.fit);
+  return report;
 }
 
 }  // namespace collinea

@@ -15,6 +15,7 @@
 #include "collinea/geometry/rotation.h"
 #include "collinea/io/text_table.h"
 #include "collinea/jobs/internal/image_marks.h"
+#include "collinea/jobs/internal/orientation_findings.h"
 #include "collinea/jobs/internal/pose_estimates.h"
 #include "collinea/math/median.h"
 
@@ -273,9 +274,11 @@ Result<FactorisationReport> factorise_table(const std::filesystem::path& measure
     std::erase_if(common.left_out, [&](const std::string& name) { return rejected.contains(name); });
     COLLINEA_TRY(FactorisationReport report, report_of(marks, common, frame, options).map_error(in_file));
     report.rejected.assign(rejected.begin(), rejected.end());
-    if (!options.reject) return report;
-    const std::set<std::string> contradicting = contradicting_points(report);
-    if (contradicting.empty()) return report;
+    const std::set<std::string> contradicting = options.reject ? contradicting_points(report) : std::set<std::string>();
+    if (contradicting.empty()) {
+      report.findings = factorisation_findings(report);
+      return report;
+    }
     rejected.insert(contradicting.begin(), contradicting.end());
   }
 }

@@ -9,7 +9,9 @@
 #include "collinea/base/file.h"
 #include "collinea/io/film_calibration_file.h"
 #include "collinea/io/number_rows.h"
+#include "collinea/jobs/internal/image_findings.h"
 #include "collinea/jobs/internal/out_folder.h"
+#include "collinea/report/findings_text.h"
 
 namespace collinea {
 namespace {
@@ -168,7 +170,7 @@ Result<> write_tables(const InteriorReport& report, const fs::path& folder) {
   if (!report.points.empty()) COLLINEA_TRY(write_file(folder / "points.txt", text_of(point_table(report))));
   if (!report.scan_points.empty())
     COLLINEA_TRY(write_file(folder / "scan_points.txt", text_of(scan_point_table(report))));
-  return {};
+  return write_file(folder / "findings.json", findings_json_text(report.findings));
 }
 
 // By principal point and size of a pixel: where its pixel says the principal point is, the calibration has it.
@@ -274,6 +276,7 @@ Result<InteriorReport> interior_orientation(const fs::path& measurements, const 
   if (options.points) {
     COLLINEA_TRY(add_points(report, options));
   }
+  report.findings = interior_findings(report);
   if (options.out) {
     COLLINEA_TRY(write_tables(report, *options.out));
   }

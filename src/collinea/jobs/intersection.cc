@@ -9,6 +9,7 @@
 #include "collinea/epipolar/oriented_intersection.h"
 #include "collinea/jobs/internal/exterior_table.h"
 #include "collinea/jobs/internal/ground_table.h"
+#include "collinea/jobs/internal/image_findings.h"
 #include "collinea/jobs/internal/refine_points.h"
 
 namespace collinea {
@@ -148,6 +149,7 @@ Result<IntersectionReport> intersect_from_tables(const std::filesystem::path& me
     COLLINEA_TRY(match_points(report, rays, frame, orientations, options, run));
   }
   compare(report, ground);
+  report.findings = intersection_findings(report);
   return report;
 }
 

@@ -15,6 +15,7 @@
 #include "collinea/models/concatenate.h"
 #include "collinea/models/model_tables.h"
 #include "collinea/project/project.h"
+#include "collinea/report/findings_text.h"
 
 namespace collinea {
 namespace {
@@ -136,6 +137,7 @@ Result<> write_tables(const ModelsReport& report, const fs::path& folder) {
   COLLINEA_TRY(write_file(folder / "models.txt", text_of(joined_model_table(report))));
   COLLINEA_TRY(write_file(folder / "residuals.txt", text_of(model_residual_table(report))));
   COLLINEA_TRY(write_file(folder / "control.txt", text_of(joined_control_table(report))));
+  COLLINEA_TRY(write_file(folder / "findings.json", findings_json_text(report.findings)));
   if (report.pairs.empty()) return {};
   COLLINEA_TRY(write_file(folder / "formed.txt", text_of(formed_model_table(report))));
   return write_file(folder / "covariances.txt", text_of(formed_covariance_table(report)));

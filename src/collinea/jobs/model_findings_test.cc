@@ -97,7 +97,9 @@ TEST(ModelFindings, ControlThatContradictsIsNamed) {
   const ModelsReport report = joined(std::move(made));
   const Finding* contradicts = found(report, FindingCode::kControlContradicts);
   ASSERT_TRUE(contradicts);
-  EXPECT_EQ(contradicts->subjects.front(), Subject::control_named(name));
+  EXPECT_EQ(contradicts->subjects.front().kind, SubjectKind::kControlPoint);
+  EXPECT_EQ(contradicts->subjects.front().name, name);
+  EXPECT_EQ(contradicts->subjects.front().axis, 0);  // X
   EXPECT_TRUE(found(report, FindingCode::kResidualsLarge));
 }
 

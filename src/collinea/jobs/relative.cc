@@ -8,36 +8,16 @@
 #include "collinea/base/file.h"
 #include "collinea/camera/camera.h"
 #include "collinea/io/text_table.h"
+#include "collinea/jobs/internal/given_relative.h"
+#include "collinea/jobs/internal/orientation_findings.h"
+#include "collinea/jobs/internal/pair_points.h"
 #include "collinea/jobs/internal/pose_estimates.h"
+#include "collinea/report/findings_text.h"
 
 namespace collinea {
 namespace {
 
 namespace fs = std::filesystem;
-
-Result<> read_points(const TextTable& table, const RelativePairOptions& options, RelativeReport& report) {
-  const std::string stated = table.unit_of("x_left");
-  const std::string unit = stated.empty() || stated == "px" ? "px" : "mm";
-  COLLINEA_TRY(report.frame, photo_frame(options.photo, unit));
-  COLLINEA_TRY(report.names, table.words("point"));
-  COLLINEA_TRY(const auto x1, table.numbers("x_left", unit));
-  COLLINEA_TRY(const auto y1, table.numbers("y_left", unit));
-  COLLINEA_TRY(const auto x2, table.numbers("x_right", unit));
-  COLLINEA_TRY(const auto y2, table.numbers("y_right", unit));
-  const bool all_given = table.has("sigma") || options.sigma.has_value();
-  const double usual = options.sigma.value_or(unit == "px" ? 0.5 : 0.005);
-  COLLINEA_TRY(const auto sigmas, table.numbers_or("sigma", unit, usual));
-  report.sigma_is_given = all_given;
-  report.sigma = table.has("sigma") ? 0 : usual;
-  const Camera& camera = report.frame.camera;
-  for (std::size_t i = 0; i < x1.size(); ++i) {
-    if (!(sigmas[i] > 0)) return fail(Errc::kBadInput, "point " + report.names[i] + ": its sigma is not above zero");
-    const double sigma = sigmas[i] / camera.focal_px();
-    report.points.push_back({normalized(camera, report.frame.pixel({x1[i], y1[i]})),
-                             normalized(camera, report.frame.pixel({x2[i], y2[i]})), sigma, sigma});
-  }
-  return {};
-}
 
 Result<int> index_of(const RelativeReport& report, const std::string& name) {
   const auto found = std::find(report.names.begin(), report.names.end(), name);
@@ -73,18 +53,10 @@ Result<> scale_by(const TextTable& table, RelativeReport& report) {
 
 // Exterior orientation of the second image in the model, x right, y up, z backwards.
 void set_pose(RelativeReport& report) {
-  const RelativeOrientation& orientation = report.orientation;
-  const Rigid3 first_from_model{Eigen::Quaterniond(0, 1, 0, 0), Eigen::Vector3d::Zero()};
-  Rigid3 pose = orientation.second_from_first;
-  pose.translation *= report.base;
-  pose = pose * first_from_model;
-  const auto estimates = estimates_of_pose(pose);
-  for (std::size_t k = 0; k < 6; ++k) report.right_pose[Eigen::Index(k)] = estimates[k].value;
   Eigen::Matrix<double, 6, 6> of_change = Eigen::Matrix<double, 6, 6>::Zero();
-  of_change.topLeftCorner<5, 5>() = orientation.stated_covariance();
+  of_change.topLeftCorner<5, 5>() = report.orientation.stated_covariance();
   if (report.scaled) of_change = report.scaled->covariance;
-  const Eigen::Matrix<double, 6, 6> by = pose_by_change(orientation.second_from_first, report.base);
-  report.right_covariance = covariance_of_estimates(pose, by * of_change * by.transpose());
+  set_right_pose(of_change, report);
 }
 
 // What there is to say of points that leave no orientation: behind the error, and as a picture in the folder.
@@ -121,6 +93,8 @@ Result<> write_tables(const RelativeReport& report, const fs::path& folder) {
   COLLINEA_TRY(write_file(folder / "parameters.txt", text_of(relative_parameter_table(report))));
   COLLINEA_TRY(write_file(folder / "correlations.txt", text_of(relative_correlation_table(report))));
   COLLINEA_TRY(write_file(folder / "solutions.txt", text_of(relative_solutions_table(report))));
+  if (report.orientation.search)
+    COLLINEA_TRY(write_file(folder / "search.txt", text_of(relative_search_table(report))));
   if (report.linear) {
     COLLINEA_TRY(write_file(folder / "linear.txt", text_of(relative_linear_table(report))));
     COLLINEA_TRY(write_file(folder / "linear_parallaxes.txt", text_of(relative_linear_parallax_table(report))));
@@ -128,16 +102,20 @@ Result<> write_tables(const RelativeReport& report, const fs::path& folder) {
   COLLINEA_TRY(write_file(folder / "residuals.txt", text_of(relative_residual_table(report))));
   COLLINEA_TRY(write_file(folder / "model.txt", text_of(relative_model_table(report))));
   COLLINEA_TRY(write_file(folder / "exterior.txt", text_of(relative_exterior_table(report))));
+  COLLINEA_TRY(write_file(folder / "findings.json", findings_json_text(report.findings)));
   return write_file(folder / "geometry.svg", pair_shape_svg(report));
 }
 
 }  // namespace
 
 Result<RelativeReport> orient_pair(const fs::path& measurements, const RelativePairOptions& options) {
+  if (options.given) return compare_with_given(measurements, options);
+  if (measurements.empty())
+    return fail(Errc::kBadInput, "a table of points is wanted, or elements that are given", {"given"_option});
   const auto in_file = [&](Error e) { return std::move(e).within(measurements.string()); };
   COLLINEA_TRY(const TextTable table, read_text_table(measurements));
   RelativeReport report;
-  COLLINEA_TRY(read_points(table, options, report).map_error(in_file));
+  COLLINEA_TRY(read_pair_points(table, options, report).map_error(in_file));
   report.options = options.adjustment;
   report.options.sigma_known = report.sigma_is_given && !options.estimate_sigma;
   if (options.base_m && options.distances)
@@ -161,6 +139,7 @@ Result<RelativeReport> orient_pair(const fs::path& measurements, const RelativeP
     COLLINEA_TRY(scale_by(distances, report).map_error(in_distances));
   }
   set_pose(report);
+  report.findings = relative_findings(report);
   if (options.out) COLLINEA_TRY(write_tables(report, *options.out));
   return report;
 }

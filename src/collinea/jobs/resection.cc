@@ -7,12 +7,16 @@
 #include <cmath>
 #include <map>
 
+#include "collinea/base/file.h"
 #include "collinea/io/number_rows.h"
+#include "collinea/jobs/internal/danger_shape.h"
+#include "collinea/jobs/internal/image_findings.h"
 #include "collinea/jobs/internal/pose_estimates.h"
 #include "collinea/jobs/internal/resection_linear.h"
 #include "collinea/jobs/internal/resection_matrix.h"
 #include "collinea/jobs/internal/resection_station.h"
 #include "collinea/jobs/internal/resection_tables.h"
+#include "collinea/jobs/result_tables.h"
 
 namespace collinea {
 namespace {
@@ -153,18 +157,30 @@ Result<SpaceResection> fitted(ResectionTables& tables, const PhotoFrame& frame, 
 }
 
 // The points of an image that take part, and those with ground coordinates.
-std::vector<Vector3d> known_points(const ResectionTables& tables, const std::string& image) {
-  std::vector<Vector3d> points;
+std::vector<ResectionReport::Image::Control> known_points(const ResectionTables& tables, const std::string& image) {
+  std::vector<ResectionReport::Image::Control> points;
   for (const ResectionRow& mark : tables.marks)
     if (mark.image == image && !mark.is_rejected && tables.is_known(mark))
-      points.push_back(tables.ground.find(mark.point)->position);
+      points.push_back({mark.point, tables.ground.find(mark.point)->position});
   return points;
+}
+
+// Images at the poses from which least squares began, where it found none.
+ResectionReport without_solution(const ResectionTables& tables, const Starts& starts) {
+  ResectionReport report;
+  for (std::size_t a = 0; a < tables.images.size(); ++a) {
+    report.images.push_back({tables.images[a]});
+    set_danger_cylinder(known_points(tables, tables.images[a]), centre_of(starts.poses[a]), report.images.back());
+  }
+  return report;
 }
 
 Result<ResectionReport> by_collinearity(ResectionTables& tables, const ResectOneOptions& options) {
   COLLINEA_TRY(const PhotoFrame frame, photo_frame(options.photo, tables.unit));
   COLLINEA_TRY(Starts starts, starts_of(tables, frame, options));
-  COLLINEA_TRY(const SpaceResection found, fitted(tables, frame, starts, options));
+  COLLINEA_TRY(const SpaceResection found, fitted(tables, frame, starts, options).map_error([&](Error error) {
+    return with_danger(std::move(error), without_solution(tables, starts), options);
+  }));
   const Problem problem = problem_of(tables, frame);
   ResectionReport report;
   report.unit = tables.unit;
@@ -172,7 +188,6 @@ Result<ResectionReport> by_collinearity(ResectionTables& tables, const ResectOne
   report.iterations = found.iterations;
   const double factor = report.variance.factor();
   for (std::size_t a = 0; a < tables.images.size(); ++a) {
-    const std::vector<Vector3d> points = known_points(tables, tables.images[a]);
     ResectionReport::Image image{tables.images[a], 0};
     for (const ResectionMark& mark : problem.marks) image.points += mark.image == a;
     image.exterior = estimates_of_pose(found.cam_from_world[a]);
@@ -182,7 +197,7 @@ Result<ResectionReport> by_collinearity(ResectionTables& tables, const ResectOne
     add_sigmas(image.exterior, image.covariance);
     for (const Rigid3& pose : starts.solutions[a]) image.solutions.push_back(estimates_of_pose(pose));
     image.conditioning = found.conditioning[a];
-    image.danger = danger_cylinder(points, centre_of(found.cam_from_world[a]));
+    set_danger_cylinder(known_points(tables, tables.images[a]), centre_of(found.cam_from_world[a]), image);
     image.robust_scale = starts.scales[a];
     report.images.push_back(std::move(image));
   }
@@ -212,16 +227,27 @@ Result<ResectionReport> by_collinearity(ResectionTables& tables, const ResectOne
   return report;
 }
 
+Result<ResectionReport> by_method(ResectionTables& tables, const ResectOneOptions& options) {
+  if (options.method == ResectionMethod::kCollinearity) return by_collinearity(tables, options);
+  if (options.method == ResectionMethod::kLinear) return by_linear_pose(tables, options);
+  if (options.method == ResectionMethod::kStation) return of_station(tables, options);
+  return by_transformation(tables, options);
+}
+
 }  // namespace
 
 Result<ResectionReport> resect_from_tables(const std::filesystem::path& measurements,
                                            const std::filesystem::path& ground, const ResectOneOptions& options) {
   COLLINEA_TRY(validate(options));
   COLLINEA_TRY(ResectionTables tables, read_resection_tables(measurements, ground, options));
-  if (options.method == ResectionMethod::kCollinearity) return by_collinearity(tables, options);
-  if (options.method == ResectionMethod::kLinear) return by_linear_pose(tables, options);
-  if (options.method == ResectionMethod::kStation) return of_station(tables, options);
-  return by_transformation(tables, options);
+  COLLINEA_TRY(ResectionReport report, by_method(tables, options));
+  report.findings = resection_findings(report, options);
+  if (options.out) {
+    COLLINEA_TRY(write_result_tables(resection_tables(report), report.findings, *options.out));
+    if (const std::string drawing = danger_svg(report); !drawing.empty())
+      COLLINEA_TRY(write_file(*options.out / "danger.svg", drawing));
+  }
+  return report;
 }
 
 }  // namespace collinea

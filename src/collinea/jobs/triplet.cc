@@ -11,6 +11,7 @@
 #include "collinea/epipolar/intersect_rays.h"
 #include "collinea/io/text_table.h"
 #include "collinea/jobs/internal/image_marks.h"
+#include "collinea/jobs/internal/orientation_findings.h"
 #include "collinea/jobs/internal/pose_estimates.h"
 
 namespace collinea {
@@ -253,6 +254,7 @@ Result<TripletReport> joined(const ImageMarks& table, const PhotoFrame& frame, c
   const AdjustedBundles model = in_photo_axes(result.found, report.base);
   state_images(table, model, report);
   state_points(table, result, model, report);
+  report.findings = triplet_findings(report);
   return report;
 }
 

@@ -124,7 +124,9 @@ std::optional<DangerCylinder> danger_cylinder(std::span<const Vector3d> points_i
     squares += off * off + p.z() * p.z();
   }
   const Vector2d centre = frame.in_plane(centre_in_world).head<2>() - circle.head<2>();
-  return DangerCylinder{radius, std::sqrt(squares / double(points_in_world.size())), centre.norm() - radius};
+  return DangerCylinder{radius, std::sqrt(squares / double(points_in_world.size())), centre.norm() - radius,
+                        frame.origin_in_world + frame.world_from_plane.leftCols<2>() * circle.head<2>(),
+                        frame.world_from_plane.col(2)};
 }
 
 }  // namespace collinea

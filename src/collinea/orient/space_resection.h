@@ -85,6 +85,8 @@ struct DangerCylinder {
   double radius_m = 0;
   double points_off_m = 0;  ///< RMS of the points off the circle; 0 of three
   double centre_off_m = 0;  ///< of the projection centre off the cylinder: positive outside
+  Eigen::Vector3d middle_in_world = Eigen::Vector3d::Zero();  ///< of the circle
+  Eigen::Vector3d axis_in_world = Eigen::Vector3d::UnitZ();   ///< of the cylinder, of unit length
 };
 /// Nothing when the points lie on a line.
 [[nodiscard]] std::optional<DangerCylinder> danger_cylinder(std::span<const Eigen::Vector3d> points_in_world,

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "collinea/io/text.h"
+#include "collinea/report/findings_text.h"
 
 namespace collinea {
 namespace {
@@ -73,10 +74,8 @@ std::string suspect_text(const AbsoluteReport& report) {
     return fmt::format("no control coordinate contradicts the others: largest |w| {:.2f} ({} of {}), limit {:.2f}\n",
                        std::abs(worst->w[at]), kAxes[at], worst->name, limit);
   return fmt::format(
-      "{} of point {} contradicts the other control: |w| {:.2f}, limit {:.2f}; an error of about {} m would explain "
-      "it. "
-      "Measure it again, or leave it out\n",
-      kAxes[at], worst->name, std::abs(worst->w[at]), limit,
+      "{} of point {} has the largest |w|: {:.2f}, limit {:.2f}; an error of about {} m would explain it\n", kAxes[at],
+      worst->name, std::abs(worst->w[at]), limit,
       decimal_text(worst->misfit[at] / std::max(worst->redundancy[at], 1e-3), 3));
 }
 
@@ -93,8 +92,6 @@ std::string control_text(const AbsoluteReport& report) {
   std::string text =
       fmt::format("control: {} full, {} in plan only, {} in height only", report.full, report.plan, report.height);
   if (report.is_plane) return fmt::format("control: {}\n", counted_text(std::size_t(report.full), "point"));
-  if (report.full < 4 || report.full + report.height < 5)
-    text += "; at least four full points and a height near the edges are recommended";
   return text + "\n";
 }
 
@@ -133,10 +130,8 @@ std::string absolute_text(const AbsoluteReport& report) {
       text += fmt::format("point {} contradicts the others and takes no part: it is off by {}\n", point.name,
                           metres_text(point.misfit.norm()));
   if (report.solutions > 1)
-    text += fmt::format(
-        "{} orientations fit the control equally well; this one tilts the model least. A further height decides\n",
-        report.solutions);
-  return text;
+    text += fmt::format("of {} orientations this one tilts the model least\n", report.solutions);
+  return text + findings_text(report.findings);
 }
 
 std::vector<NamedTable> absolute_tables(const AbsoluteReport& report) {

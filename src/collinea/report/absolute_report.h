@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "collinea/base/finding.h"
 #include "collinea/report/single_step.h"
 
 namespace collinea {
@@ -34,6 +35,7 @@ struct AbsoluteReport {
   std::vector<Ground> ground;  ///< all points of the model
   int full = 0, plan = 0, height = 0;
   int solutions = 1;
+  std::vector<Finding> findings;
 };
 
 [[nodiscard]] std::string absolute_text(const AbsoluteReport& report);

@@ -8,6 +8,7 @@
 
 #include "collinea/io/text.h"
 #include "collinea/math/fisher.h"
+#include "collinea/report/findings_text.h"
 
 namespace collinea {
 namespace {
@@ -163,15 +164,10 @@ std::string euclidean_text(const FactorisationReport& report, const Euclidean& e
 
 // Whether one calibration for all images, or the stated one, costs more than errors of measurement allow.
 std::string price_text(const std::string& what, const VarianceTest& free, const VarianceTest& bound) {
-  const int conditions = bound.redundancy - free.redundancy;
-  if (conditions <= 0 || free.redundancy <= 0) return "";
-  const double squares = bound.sigma0 * bound.sigma0 * bound.redundancy - free.sigma0 * free.sigma0 * free.redundancy;
-  const double variance = free.sigmas_are_stated ? 1 : free.sigma0 * free.sigma0;
-  const double ratio = std::max(0.0, squares / conditions / variance);
-  const double chance = fisher_tail(ratio, conditions, free.sigmas_are_stated ? INFINITY : free.redundancy);
-  return fmt::format(
-      "{}: {} conditions cost F {:.2f} (chance {:.2g}): {}\n", what, conditions, ratio, chance,
-      chance < VarianceTest::kLevel ? "refuted. Lens distortion, another camera, or gross errors" : "not refuted");
+  const auto test = test_of_conditions(free, bound);
+  if (!test) return "";
+  return fmt::format("{}: {} conditions cost F {:.2f} (chance {:.2g}): {}\n", what, test->conditions, test->ratio,
+                     test->chance, test->is_refuted() ? "refuted" : "not refuted");
 }
 
 std::string comparison_text(const FactorisationReport& report) {
@@ -188,6 +184,16 @@ std::string comparison_text(const FactorisationReport& report) {
 
 }  // namespace
 
+std::optional<ConditionTest> test_of_conditions(const VarianceTest& free, const VarianceTest& bound) {
+  ConditionTest test{bound.redundancy - free.redundancy};
+  if (test.conditions <= 0 || free.redundancy <= 0) return std::nullopt;
+  const double squares = bound.sigma0 * bound.sigma0 * bound.redundancy - free.sigma0 * free.sigma0 * free.redundancy;
+  const double variance = free.sigmas_are_stated ? 1 : free.sigma0 * free.sigma0;
+  test.ratio = std::max(0.0, squares / test.conditions / variance);
+  test.chance = fisher_tail(test.ratio, test.conditions, free.sigmas_are_stated ? INFINITY : free.redundancy);
+  return test;
+}
+
 std::string factorisation_text(const FactorisationReport& report) {
   std::string text = projective_text(report) + fundamentals_text(report);
   if (report.self_calibrated) {
@@ -200,7 +206,7 @@ std::string factorisation_text(const FactorisationReport& report) {
   } else if (!report.why_not_euclidean.empty()) {
     text += "no Euclidean form: " + report.why_not_euclidean + "\n";
   }
-  return text + comparison_text(report);
+  return text + comparison_text(report) + findings_text(report.findings);
 }
 
 std::vector<NamedTable> factorisation_tables(const FactorisationReport& report) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "collinea/base/finding.h"
 #include "collinea/epipolar/image_bundles.h"
 #include "collinea/epipolar/projective_factorisation.h"
 #include "collinea/epipolar/self_calibration.h"
@@ -47,7 +48,18 @@ struct FactorisationReport {
   std::optional<Euclidean> calibrated;
   std::string why_not_calibrated;
   std::vector<Difference> differences;
+  std::vector<Finding> findings;
 };
+
+/// Whether what binds an adjustment further costs more than errors of measurement allow: F by the squares that it adds.
+struct ConditionTest {
+  int conditions = 0;
+  double ratio = 0, chance = 1;
+
+  [[nodiscard]] bool is_refuted() const { return chance < VarianceTest::kLevel; }
+};
+/// Nothing where no condition is added, or nothing checks the free one.
+[[nodiscard]] std::optional<ConditionTest> test_of_conditions(const VarianceTest& free, const VarianceTest& bound);
 
 [[nodiscard]] std::string factorisation_text(const FactorisationReport& report);
 /// projective cameras, projective points, their residuals, pairs; where they are: interior, exterior, points and

@@ -30,7 +30,8 @@ std::string what_of(const Finding& finding, const Block& block) {
   const FindingWords words{finding, block};
   for (const auto of : {words_of_given, words_of_measured_control, words_of_marks, words_of_control, words_of_positions,
                         words_of_datum, words_of_weak_images, words_of_weak_unknowns, words_of_weak_cases,
-                        words_of_orientation, words_of_products, words_of_pair, words_of_models, words_of_fit})
+                        words_of_orientation, words_of_products, words_of_pair, words_of_models, words_of_fit,
+                        words_of_measured, words_of_poses, words_of_rays, words_of_uncalibrated, words_of_fiducials})
     if (std::string text = of(words); !text.empty()) return text;
   return std::string(word_of(finding.code)) + ".";
 }

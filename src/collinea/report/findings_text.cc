@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "collinea/report/finding_words.h"
+#include "collinea/report/internal/finding_json.h"
 
 namespace collinea {
 
@@ -14,6 +15,12 @@ std::string findings_text(std::span<const Finding> findings) {
       if (finding.severity == severity)
         text += fmt::format("  {}: {}\n", word_of(severity), sentence_of(finding, Block{}));
   return text.empty() ? text : "findings\n" + text;
+}
+
+std::string findings_json_text(std::span<const Finding> findings) {
+  nlohmann::ordered_json all;
+  all["findings"] = findings_json({findings.begin(), findings.end()}, Block{});
+  return all.dump(2) + "\n";
 }
 
 }  // namespace collinea

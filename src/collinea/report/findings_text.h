@@ -12,4 +12,7 @@ namespace collinea {
 /// first; "" when there is none.
 [[nodiscard]] std::string findings_text(std::span<const Finding> findings);
 
+/// The same as JSON: {"findings": [...]}, each as in the reports of steps.
+[[nodiscard]] std::string findings_json_text(std::span<const Finding> findings);
+
 }  // namespace collinea

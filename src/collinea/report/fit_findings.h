@@ -17,6 +17,24 @@ struct ControlTest {
   Eigen::Vector3d misfit_m = Eigen::Vector3d::Zero(), w = Eigen::Vector3d::Zero();
 };
 
+/// A measurement of a point in an image after an adjustment: the larger of the tests of its coordinates.
+struct MeasurementTest {
+  std::string point, image;  ///< image may be empty
+  double w = 0;
+};
+
+/// Residuals that contradict their standard deviations either way, where these are stated. `of`: whose they are; empty:
+/// of all.
+void add_variance_finding(const VarianceTest& variance, std::vector<Finding>& findings, std::vector<Subject> of = {});
+
+/// The same, that nothing checks the measurements, and the one that contradicts the others most.
+void add_measurement_findings(const VarianceTest& variance, std::span<const MeasurementTest> measurements,
+                              std::vector<Finding>& findings);
+
+/// Points that contradict the others and take no part: a note, weak where they are more than a fifth of all.
+void add_rejected_finding(FindingCode code, std::span<const Subject> rejected, std::size_t of,
+                          std::vector<Finding>& findings);
+
 /// What an adjustment by itself finds of its measurements: residuals that contradict their standard deviations either
 /// way (where these are stated), and the control point that contradicts the others most.
 void add_fit_findings(const VarianceTest& variance, std::span<const ControlTest> control,

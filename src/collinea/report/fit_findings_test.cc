@@ -66,8 +66,38 @@ TEST(FitFindings, AreMadeOfWhatContradicts) {
   EXPECT_EQ(findings.front().figure(FigureName::kOffset), 0.9);
   EXPECT_EQ(findings.front().figure(FigureName::kTest), 8.5);
   const std::string text = findings_text(findings);
-  EXPECT_TRUE(text.starts_with("findings\n  wrong: Control point C contradicts the others by 0.9 m")) << text;
+  EXPECT_TRUE(text.starts_with("findings\n  wrong: Control point C contradicts the others in Y by 0.9 m")) << text;
   EXPECT_EQ(findings_text({}), "");
+}
+
+TEST(FitFindings, MeasurementsAreNamedAndManyRejectedAreWeak) {
+  using C = FindingCode;
+  const std::vector<MeasurementTest> tests{{"1", "A", 1.2}, {"2", "B", 3.5}, {"3", "A", 4.1}};
+  std::vector<Finding> findings;
+  add_measurement_findings({1.1, 20, true}, std::span(tests).first(1), findings);
+  EXPECT_TRUE(findings.empty());
+  add_measurement_findings({1.1, 20, true}, tests, findings);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].code, C::kMeasurementContradicts);
+  EXPECT_EQ(findings[0].subjects, (std::vector<Subject>{Subject::point("3"), Subject::image_named("A")}));
+  EXPECT_TRUE(findings_text(findings).starts_with("findings\n  wrong: The measurement of point 3 in A contradicts"))
+      << findings_text(findings);
+  findings.clear();
+  add_measurement_findings({0, 0, true}, tests, findings);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].code, C::kNothingChecks);
+  const std::vector<Subject> rejected{Subject::point("1"), Subject::point("2")};
+  for (const std::size_t of : {10, 9, 5}) {
+    findings.clear();
+    add_rejected_finding(C::kMeasurementsRejected, rejected, of, findings);
+    ASSERT_EQ(findings.size(), 1u);
+    EXPECT_EQ(findings[0].severity, of == 10 ? Severity::kNote : Severity::kWeak);
+  }
+  findings.clear();
+  add_rejected_finding(C::kMeasurementsRejected, {}, 5, findings);
+  EXPECT_TRUE(findings.empty());
+  const std::string json = findings_json_text(std::vector<Finding>{finding_of(C::kNothingChecks)});
+  EXPECT_NE(json.find("\"code\": \"nothing_checks\""), std::string::npos) << json;
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "collinea/io/text.h"
+#include "collinea/report/findings_text.h"
 
 namespace collinea {
 namespace {
@@ -110,11 +111,6 @@ std::string image_text(const Image& image, const InteriorReport& report) {
   if (image.least_correlation)
     text += fmt::format("  {} marks found in the scan, with correlations of {:.2f} and more\n",
                         image.readings.marks.size(), *image.least_correlation);
-  if (image.least_correlation && image.readings.marks.size() <= image.missing.size())
-    text += fmt::format(
-        "  warning: {} of {} marks were found only: these may be something else. See that the kinds, sizes and "
-        "positions of marks are those of this camera\n",
-        image.readings.marks.size(), image.readings.marks.size() + image.missing.size());
   if (!image.unknown.empty()) text += fmt::format("  not in the calibration, not used: {}\n", joined(image.unknown));
   if (!image.missing.empty()) text += fmt::format("  not measured: {}\n", joined(image.missing));
   text += fmt::format("  {}, {} parameters from {} marks, redundancy {}", word_of(t.model), t.parameters.size(),
@@ -125,11 +121,6 @@ std::string image_text(const Image& image, const InteriorReport& report) {
                 : fmt::format(", sigma0 {:.3f} {} ({:.1f} um on the film)", fit.sigma0, report.unit,
                               1e3 * fit.sigma0 / std::sqrt(std::abs(t.by_film({0, 0}).determinant())));
   text += fit.redundancy > 0 ? "\n" : ": nothing checks them\n";
-  if (contradicts_itself(report, image))
-    text +=
-        "  warning: the marks contradict each other by far more than film or readings do. Compare the names of the "
-        "marks, "
-        "the readings and the calibration\n";
   if (t.is_mirrored)
     text += "  seen as in a mirror: rows are counted from below, or the film was scanned from its back\n";
   return text + parameter_lines(image, report.unit) + residual_lines(image, report.unit) +
@@ -164,7 +155,7 @@ std::string interior_text(const InteriorReport& report) {
   if (!report.points.empty()) text += fmt::format("{} points brought to the film\n", report.points.size());
   if (!report.scan_points.empty())
     text += fmt::format("{} points of the film brought to the scans\n", report.scan_points.size());
-  return text;
+  return text + findings_text(report.findings);
 }
 
 TextTable parameter_table(const InteriorReport& report) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "collinea/base/finding.h"
 #include "collinea/camera/film_calibration.h"
 #include "collinea/camera/film_transformation.h"
 #include "collinea/camera/mark_readings.h"
@@ -41,6 +42,7 @@ struct InteriorReport {
     Eigen::Matrix2d covariance;  ///< of the pixel [px^2]
   };
   std::vector<ScanPoint> scan_points;
+  std::vector<Finding> findings;
 };
 
 /// Residuals that no film and no reading of marks explains: more than a tenth of a millimetre on the film, or three

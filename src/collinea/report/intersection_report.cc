@@ -10,6 +10,7 @@
 
 #include "collinea/io/text.h"
 #include "collinea/math/fisher.h"
+#include "collinea/report/findings_text.h"
 
 namespace collinea {
 namespace {
@@ -59,25 +60,6 @@ TextTable rays_table(const IntersectionReport& report) {
                             decimal_text(ray.w.y(), 2), decimal_text(ray.redundancy.x(), 2),
                             decimal_text(ray.redundancy.y(), 2)});
   return table;
-}
-
-std::string suspect_text(const IntersectionReport& report) {
-  std::string text;
-  const double limit = report.variance.limit();
-  for (const IntersectionReport::Point& point : report.points) {
-    const IntersectionReport::Ray* worst = nullptr;
-    for (const IntersectionReport::Ray& ray : point.rays)
-      if (!worst || ray.w.cwiseAbs().maxCoeff() > worst->w.cwiseAbs().maxCoeff()) worst = &ray;
-    if (!worst || worst->w.cwiseAbs().maxCoeff() <= limit) continue;
-    text += point.rays.size() == 2
-                ? fmt::format(
-                      "point {}: its two rays do not meet (|w| {:.1f}, limit {:.2f}); two rays do not tell which "
-                      "is wrong\n",
-                      point.name, worst->w.cwiseAbs().maxCoeff(), limit)
-                : fmt::format("point {}: the ray of image {} contradicts the others (|w| {:.1f}, limit {:.2f})\n",
-                              point.name, worst->image, worst->w.cwiseAbs().maxCoeff(), limit);
-  }
-  return text;
 }
 
 TextTable refined_table(const IntersectionReport& report) {
@@ -165,13 +147,7 @@ std::string intersection_text(const IntersectionReport& report) {
                                  report.orientations_have_sigmas ? "with their sigmas" : "taken as exact");
   text += variance_text(report.variance) + indented_rows(points_table(report));
   text += "residuals, measured minus computed:\n" + indented_rows(rays_table(report));
-  for (const IntersectionReport::Point& point : report.points)
-    if (!point.is_found)
-      text +=
-          point.rays_given < 2
-              ? fmt::format("point {} is seen in one oriented image: no depth\n", point.name)
-              : fmt::format("point {} has no position: its rays are parallel or meet behind a camera\n", point.name);
-  return text + suspect_text(report) + refined_text(report);
+  return text + refined_text(report) + findings_text(report.findings);
 }
 
 std::vector<NamedTable> intersection_tables(const IntersectionReport& report) {

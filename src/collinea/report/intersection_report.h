@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "collinea/base/finding.h"
 #include "collinea/match/multi_image_matching.h"
 #include "collinea/report/single_step.h"
 
@@ -42,6 +43,7 @@ struct IntersectionReport {
   VarianceTest variance;  ///< of all points together
   std::vector<Point> points;
   std::vector<Refined> refined;
+  std::vector<Finding> findings;
 };
 
 [[nodiscard]] std::string intersection_text(const IntersectionReport& report);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "collinea/report/internal/drawing_panel.h"
 #include "collinea/report/relative_report.h"
 
 namespace collinea {
@@ -15,7 +16,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kSize = 480, kMargin = 40;
+constexpr double kSize = DrawingPanel::kSize;
 
 // Points of the model in the first camera, in the unit of the base.
 std::vector<Vector3d> points_of(const RelativeReport& report) {
@@ -25,53 +26,11 @@ std::vector<Vector3d> points_of(const RelativeReport& report) {
   return out;
 }
 
-// One drawing of the two, side by side: what is to be seen in it, and how it is scaled.
-class Panel {
- public:
-  explicit Panel(double left) : left_(left) {}
-
-  void widen(const Vector2d& p) {
-    low_ = low_.cwiseMin(p);
-    high_ = high_.cwiseMax(p);
-  }
-  [[nodiscard]] double scale() const { return (kSize - 2 * kMargin) / std::max((high_ - low_).maxCoeff(), 1e-9); }
-  [[nodiscard]] Vector2d at(const Vector2d& p) const {
-    return Vector2d(left_ + kMargin, kMargin) + (p - low_) * scale();
-  }
-  void dot(const Vector2d& p) {
-    body_ += fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='2.5' fill='#246'/>\n", at(p).x(), at(p).y());
-  }
-  void circle(const Vector2d& centre, double radius) {
-    const Vector2d c = at(centre);
-    body_ += fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='{:.1f}' fill='none' stroke='#b33' stroke-width='1.5'/>\n",
-                         c.x(), c.y(), radius * scale());
-  }
-  void line(const Vector2d& from, const Vector2d& to, const char* look) {
-    const Vector2d a = at(from), b = at(to);
-    body_ +=
-        fmt::format("<line x1='{:.1f}' y1='{:.1f}' x2='{:.1f}' y2='{:.1f}' {}/>\n", a.x(), a.y(), b.x(), b.y(), look);
-  }
-  void square(const Vector2d& p, const char* name) {
-    const Vector2d a = at(p);
-    body_ += fmt::format(
-        "<rect x='{:.1f}' y='{:.1f}' width='8' height='8' fill='#000'/>\n<text x='{:.1f}' y='{:.1f}'>{}</text>\n",
-        a.x() - 4, a.y() - 4, a.x() + 8, a.y() - 6, name);
-  }
-  void words(double y, const std::string& text) {
-    body_ += fmt::format("<text x='{:.0f}' y='{:.0f}'>{}</text>\n", left_ + 10, y, text);
-  }
-  [[nodiscard]] const std::string& body() const { return body_; }
-
- private:
-  double left_;
-  Vector2d low_ = {0, 0}, high_ = {0, 0};
-  std::string body_;
-};
-
 // Seen along the base: cylinder and plane through the base are a circle and a line there.
-Panel along_base(const RelativeReport& report, const std::vector<Vector3d>& points) {
+DrawingPanel along_base(const RelativeReport& report, const std::vector<Vector3d>& points) {
   const PairShape& shape = *report.shape;
-  Panel panel(0);
+  DrawingPanel panel(0);
+  panel.widen({0, 0});
   std::vector<Vector2d> across;
   double far = 0;
   for (const Vector3d& p : points) {
@@ -101,13 +60,14 @@ Panel along_base(const RelativeReport& report, const std::vector<Vector3d>& poin
 }
 
 // Seen along the plane that fits best, and across the base: the plane is a line, the base is as long as it can be.
-Panel along_plane(const RelativeReport& report, const std::vector<Vector3d>& points) {
+DrawingPanel along_plane(const RelativeReport& report, const std::vector<Vector3d>& points) {
   const PairShape& shape = *report.shape;
   const Vector3d base = base_in_first(report.orientation.second_from_first);
   const Vector3d normal = shape.plane_normal * (shape.plane_normal.dot(shape.plane_middle) < 0 ? -1 : 1);
   Vector3d along = base - normal * normal.dot(base);
   along = along.norm() > 1e-6 ? along.normalized() : normal.unitOrthogonal();
-  Panel panel(kSize);
+  DrawingPanel panel(kSize);
+  panel.widen({0, 0});
   const auto seen = [&](const Vector3d& p) { return Vector2d(along.dot(p), normal.dot(p)); };
   for (const Vector3d& p : points) panel.widen(seen(p));
   panel.widen(seen(base * report.base));
@@ -136,10 +96,7 @@ std::string pair_shape_svg(const RelativeReport& report) {
     const std::vector<Vector3d> points = points_of(report);
     body = along_base(report, points).body() + along_plane(report, points).body();
   }
-  return fmt::format(
-      "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {0:.0f} {1:.0f}' width='{0:.0f}' height='{1:.0f}' "
-      "font-family='sans-serif' font-size='12'>\n<rect width='100%' height='100%' fill='#fff'/>\n{2}</svg>\n",
-      2 * kSize, kSize, body);
+  return drawing_of_panels(2, 1, body);
 }
 
 }  // namespace collinea

@@ -3,10 +3,14 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "collinea/base/finding.h"
+#include "collinea/base/words.h"
+#include "collinea/epipolar/given_coplanarity.h"
 #include "collinea/epipolar/model_points.h"
 #include "collinea/epipolar/pair_point.h"
 #include "collinea/epipolar/pair_shape.h"
@@ -16,6 +20,14 @@
 #include "collinea/io/text_table.h"
 
 namespace collinea {
+
+/// In which form a relative orientation is written.
+enum class RelativeForm : std::uint8_t { kDependent, kSymmetric, kExterior };
+inline constexpr Word<RelativeForm> kRelativeFormWords[] = {
+    {RelativeForm::kDependent, "dependent", "base and attitude of the second image, in the first one"},
+    {RelativeForm::kSymmetric, "symmetric", "attitudes of both images, with the base as x axis"},
+    {RelativeForm::kExterior, "exterior", "projection centres and attitudes of both images"}};
+[[nodiscard]] constexpr std::span<const Word<RelativeForm>> words(RelativeForm) { return kRelativeFormWords; }
 
 /// The relative orientation of a pair, as found from a table.
 struct RelativeReport {
@@ -27,8 +39,10 @@ struct RelativeReport {
   double sigma = 0;  ///< of a coordinate where the table gives none, in its unit
   bool sigma_is_given = false;
   double base = 1;
-  bool base_is_given = false;  ///< then it is in m
-  bool is_given = false;       ///< the orientation: points are only compared with it
+  bool base_is_given = false;                   ///< then it is in m
+  bool is_given = false;                        ///< the orientation: points are only compared with it
+  std::optional<RelativeForm> given_form;       ///< where elements were given as such, and nothing was solved
+  std::optional<GivenCoplanarity> coplanarity;  ///< of the points for them
   RelativeOrientation orientation;
   std::optional<PairShape> shape;
   std::optional<RelativeOrientation> second;  ///< the other one of points in or near a plane (second_orientation())
@@ -46,6 +60,7 @@ struct RelativeReport {
   };
   std::vector<Distance> distances;   ///< measured on the object
   std::optional<ScaledPair> scaled;  ///< by them; orientation, base and model are those of it
+  std::vector<Finding> findings;
 };
 
 /// For a terminal: elements with standard deviations and correlations, residuals, tests, the geometry of the pair.
@@ -72,6 +87,11 @@ struct RelativeReport {
 [[nodiscard]] TextTable relative_model_table(const RelativeReport& report);
 /// image X Y Z omega phi kappa of both images in the model, with standard deviations and correlations.
 [[nodiscard]] TextTable relative_exterior_table(const RelativeReport& report);
+/// solution form element value unit: counts of the exhaustive search, and the orientations that fit as well as the
+/// best.
+[[nodiscard]] TextTable relative_search_table(const RelativeReport& report);
+/// point dependent symmetric exterior sigma gap w: the coplanarity condition for given elements in its three forms.
+[[nodiscard]] TextTable relative_coplanarity_table(const RelativeReport& report);
 /// The points seen along the base, with the nearest critical cylinder and the nearest plane through the base, and seen
 /// along the plane that fits them best: an SVG.
 [[nodiscard]] std::string pair_shape_svg(const RelativeReport& report);

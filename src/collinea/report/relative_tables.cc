@@ -141,6 +141,51 @@ TextTable relative_linear_parallax_table(const RelativeReport& report) {
   return table;
 }
 
+TextTable relative_search_table(const RelativeReport& report) {
+  TextTable table;
+  table.remarks = {"misclosure: root mean square of unit rays and a unit base"};
+  table.columns = {{"solution", ""}, {"form", ""}, {"element", ""}, {"value", ""}, {"unit", ""}};
+  const auto& search = report.orientation.search;
+  if (!search) return table;
+  const auto count = [&](const char* name, double of) { table.rows.push_back({"-", "search", name, value(of), "1"}); };
+  count("starts", search->starts);
+  count("converged", search->converged);
+  count("distinct", double(search->distinct.size()));
+  count("misclosure", search->rms);
+  for (std::size_t k = 0; k < search->distinct.size(); ++k) {
+    const std::string solution = std::to_string(k + 1);
+    if (const auto d = dependent_elements(search->distinct[k])) {
+      table.rows.push_back({solution, "dependent", "bx", value(d->bx), "1"});
+      for (const Element& e : dependent_list({*d, Matrix5::Zero()}))
+        table.rows.push_back({solution, "dependent", e.name, value(e.value), e.unit});
+    }
+    for (const Element& e : symmetric_list({symmetric_elements(search->distinct[k]), Matrix5::Zero()}))
+      table.rows.push_back({solution, "symmetric", e.name, value(e.value), e.unit});
+  }
+  return table;
+}
+
+TextTable relative_coplanarity_table(const RelativeReport& report) {
+  const std::string unit = report.base_is_given ? "m" : "", of_image(report.frame.unit());
+  TextTable table;
+  table.remarks = {
+      "coplanarity condition, rays (x, y, -c) in units of c: dependent with bx = +-1, symmetric with a base of length "
+      "1, "
+      "exterior with the base as it is; sigma of symmetric; gap: shortest change of the four coordinates; w = "
+      "symmetric "
+      "over sigma"};
+  table.columns = {{"point", ""}, {"dependent", ""}, {"symmetric", ""}, {"exterior", unit},
+                   {"sigma", ""}, {"gap", of_image}, {"w", ""}};
+  if (!report.coplanarity) return table;
+  for (std::size_t i = 0; i < report.names.size(); ++i) {
+    const PointCoplanarity& one = report.coplanarity->points[i];
+    table.rows.push_back({report.names[i], one.dependent ? value(*one.dependent) : "-", value(one.symmetric),
+                          value(one.exterior), value(one.sigma), value(one.gap * report.frame.camera.focal_px()),
+                          value(one.w)});
+  }
+  return table;
+}
+
 TextTable relative_solutions_table(const RelativeReport& report) {
   TextTable table;
   table.columns = {{"solution", ""}, {"form", ""}, {"element", ""}, {"value", ""}, {"unit", ""}, {"in_front", ""}};

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "collinea/math/fisher.h"
+#include "collinea/report/findings_text.h"
 #include "collinea/report/internal/relative_values.h"
 #include "collinea/report/single_step.h"
 
@@ -16,8 +16,6 @@ namespace collinea {
 using namespace relative;
 
 namespace {
-
-constexpr double kFront = 0.9, kManyRejected = 0.2;  // shares of the points
 
 std::string list_text(const std::vector<Element>& elements, const Matrix5& covariance) {
   std::string text;
@@ -43,13 +41,7 @@ std::string head(const RelativeReport& report) {
   if (o.redundancy == 0) return text + "five points: nothing checks them\n";
   const std::string_view unit = report.frame.unit();
   if (report.options.sigma_known) {
-    const double chance = fisher_tail(o.sigma0 * o.sigma0, o.redundancy, INFINITY);
     text += fmt::format("sigma0 {:.3f} of the standard deviations as given; they are what is stated below\n", o.sigma0);
-    if (chance < VarianceTest::kLevel)
-      text += fmt::format(
-          "the residuals are larger than the standard deviations allow (chance {:.1g}): they are too small, by about "
-          "{:.1f} times, or errors are left\n",
-          chance, o.sigma0);
   } else if (report.sigma > 0) {
     text += fmt::format("standard deviation of a coordinate, from the residuals: {:.4f} {}\n", o.sigma0 * report.sigma,
                         unit);
@@ -87,8 +79,6 @@ std::string solutions_text(const RelativeReport& report) {
       text += fmt::format(" {:.5f}", angle * kDegrees);
     text += "\n";
   }
-  if (report.solutions[1].in_front == report.solutions[0].in_front)
-    text += "wrong: two solutions have as many points in front; nothing decides between them\n";
   return text;
 }
 
@@ -105,12 +95,6 @@ std::string elements_text(const RelativeReport& report) {
                         report.orientation.used);
   else
     text += start_text(report) + solutions_text(report);
-  const RelativeOrientation& o = report.orientation;
-  if (o.in_front < kFront * o.used)
-    text += "wrong: rays of many points meet behind an image. The points are not those of two views of one object\n";
-  if (static_cast<double>(o.rejected.size()) > kManyRejected * static_cast<double>(report.points.size()))
-    text += fmt::format("weak: {} of {} points are rejected; look at the measurements\n", o.rejected.size(),
-                        report.points.size());
   return text;
 }
 
@@ -304,11 +288,46 @@ std::string distances_text(const RelativeReport& report) {
   return text;
 }
 
+// What is given in its three forms, and the points for it.
+std::string given_text(const RelativeReport& report) {
+  std::string text = fmt::format("the orientation is as given, {}: nothing is solved\n", word_of(*report.given_form));
+  if (const auto d = dependent(report))
+    text += fmt::format("dependent pair, bx = {:g}:\n", d->elements.bx) + list_text(dependent_list(*d), d->covariance);
+  else
+    text += "dependent pair: the base has no component along x, by and bz are without bound\n";
+  const SymmetricWithCovariance s = symmetric(report);
+  text += "symmetric pair (independent), omega1 = 0:\n" + list_text(symmetric_list(s), s.covariance);
+  text += fmt::format("exterior orientation of the right image in the axes of the left one, base {:.6g}{}:\n",
+                      report.base, report.base_is_given ? " m" : "");
+  std::vector<Estimate> exterior;
+  static constexpr std::array<const char*, 6> kNames = {"X", "Y", "Z", "omega", "phi", "kappa"};
+  for (std::size_t k = 0; k < 6; ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    exterior.push_back({kNames[k], k < 3 ? (report.base_is_given ? "m" : "") : "deg", report.right_pose(i),
+                        std::sqrt(std::max(0.0, report.right_covariance(i, i)))});
+  }
+  text += estimates_text(exterior);
+  if (!report.coplanarity) return text;
+  double squares = 0;
+  for (const PointCoplanarity& one : report.coplanarity->points) squares += one.gap * one.gap;
+  text += fmt::format("coplanarity of {}, {} of them in front of both images:\n",
+                      counted_text(report.names.size(), "point"), report.orientation.in_front) +
+          indented_rows(relative_coplanarity_table(report));
+  text += fmt::format("gap, root mean square: {:.4f} {}\n",
+                      std::sqrt(squares / double(report.names.size())) * report.frame.camera.focal_px(),
+                      report.frame.unit());
+  return text +
+         fmt::format("sigma0 of all conditions by the sigmas of points and elements: {:.3f}\n",
+                     report.coplanarity->sigma0) +
+         findings_text(report.findings);
+}
+
 }  // namespace
 
 std::string relative_text(const RelativeReport& report) {
+  if (report.given_form) return given_text(report);
   return head(report) + elements_text(report) + linear_text(report) + residuals_text(report) + distances_text(report) +
-         shape_text(report);
+         shape_text(report) + findings_text(report.findings);
 }
 
 std::string relative_summary_text(const RelativeReport& report, std::size_t most_rejected) {

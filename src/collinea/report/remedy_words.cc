@@ -85,6 +85,22 @@ constexpr Phrase kPhrases[] = {
     {R::kLengthenBase, "take photographs farther apart, or nearer to the object"},
     {R::kShareModelPoints, "measure more points, off one line, that it shares with the models beside it"},
     {R::kStateSigmas, "state the standard deviations that the measurements have"},
+    {R::kMeasureMorePoints, "measure more points, spread over the images"},
+    {R::kMeasureAgain, "measure it again, look at its coordinates and its name, or leave it out"},
+    {R::kSpreadControl, "spread the control over the image and in height"},
+    {R::kLeaveCircle, "use a point off the circle"},
+    {R::kGiveFourthPoint, "give a fourth point, or an approximate position"},
+    {R::kGiveHeightMore, "give the height of a further point"},
+    {R::kGiveControlAtEdges, "give four points known in X, Y and Z near the corners, and a height in the middle"},
+    {R::kCheckAssignment,
+     "see that left and right are not exchanged, that y is counted the right way, and that the points are those of "
+     "views of one object"},
+    {R::kStateOrientationSigmas, "give the orientations with columns of their standard deviations"},
+    {R::kMeasureInMoreImages, "measure them in a further oriented image"},
+    {R::kTakeWiderBase, "use images from positions farther apart"},
+    {R::kGivePrincipalDistance, "give the principal distance"},
+    {R::kReadMarksAgain, "read it a third time"},
+    {R::kCompareMarkNames, "compare the names of the marks, the readings and the calibration"},
 };
 static_assert(is_in_order(kPhrases, kRemedyCodes, &Phrase::code));
 

@@ -8,11 +8,10 @@
 #include <cmath>
 
 #include "collinea/io/text.h"
+#include "collinea/report/findings_text.h"
 
 namespace collinea {
 namespace {
-
-constexpr double kWeakRatio = 1e-5;  // of eigenvalues: below it a pose of vertical photographs is unusually weak
 
 TextTable marks_table(const ResectionReport& report) {
   TextTable table;
@@ -77,25 +76,10 @@ std::string weakest_text(const PoseConditioning& conditioning) {
   return text;
 }
 
-std::string geometry_text(const ResectionReport::Image& image, bool is_station) {
-  std::string text;
-  if (image.conditioning) {
-    text += fmt::format("conditioning: smallest over largest eigenvalue {:.2e}; worst determined together: {}\n",
-                        image.conditioning->ratio, weakest_text(*image.conditioning));
-    if (image.conditioning->ratio < kWeakRatio)
-      text += "the geometry is weak: spread the control over the image and in height\n";
-  }
-  if (!image.danger) return text;
-  const DangerCylinder& danger = *image.danger;
-  const bool on_circle = danger.points_off_m < 0.05 * danger.radius_m;
-  const bool is_near = std::abs(danger.centre_off_m) < 0.1 * danger.radius_m;
-  if (on_circle && is_near)
-    text += fmt::format(
-        "danger: the points lie on a circle of {} and the {} is {} from {} it: the resection is undetermined there. "
-        "Use a point off the circle\n",
-        metres_text(danger.radius_m), is_station ? "station" : "projection centre",
-        metres_text(std::abs(danger.centre_off_m)), is_station ? "" : "the cylinder over");
-  return text;
+std::string geometry_text(const ResectionReport::Image& image) {
+  if (!image.conditioning) return "";
+  return fmt::format("conditioning: smallest over largest eigenvalue {:.2e}; worst determined together: {}\n",
+                     image.conditioning->ratio, weakest_text(*image.conditioning));
 }
 
 std::string row_text(const char* name, const Eigen::RowVector3d& values, int decimals) {
@@ -174,22 +158,18 @@ std::string image_text(const ResectionReport& report, const ResectionReport::Ima
     text += fmt::format("robust standard deviation by the least median of squares: {:.3g} {}\n", image.robust_scale,
                         report.unit);
   text += estimates_text(image.exterior);
-  if (!image.is_determined) text += "no pose follows without the principal distance\n";
   if (!image.interior.empty()) text += "interior orientation:\n" + estimates_text(image.interior);
   if (!image.elements.empty()) text += "elements of the transformation:\n" + estimates_text(image.elements);
   if (image.parts) text += parts_text(*image.parts, report.unit);
   if (image.covariance.size()) text += correlations_text(image.exterior, image.covariance, 0.8);
   if (image.solutions.size() > 1) {
-    text += fmt::format("three points have {} poses; taken is the first{}:\n", image.solutions.size(),
-                        report.variance.redundancy > 0
-                            ? ", which suits the other measurements best"
-                            : ", all of them fit (give an approximate centre or a fourth point)");
+    text += fmt::format("three points have {} poses; taken is the first:\n", image.solutions.size());
     for (const auto& solution : image.solutions) {
       for (const Estimate& e : solution) text += fmt::format("  {} {}", e.name, decimal_text(e.value, 4));
       text += "\n";
     }
   }
-  return text + geometry_text(image, report.is_station());
+  return text + geometry_text(image);
 }
 
 std::string method_text(const ResectionReport& report) {
@@ -218,14 +198,8 @@ std::string suspect_text(const ResectionReport& report) {
   for (const ResectionReport::Mark& mark : report.marks)
     if (!mark.is_rejected && (!worst || mark.w.cwiseAbs().maxCoeff() > worst->w.cwiseAbs().maxCoeff())) worst = &mark;
   if (!worst || report.variance.redundancy <= 0) return "";
-  const double w = worst->w.cwiseAbs().maxCoeff(), limit = report.variance.limit();
-  if (w <= limit)
-    return fmt::format("no measurement contradicts the others: largest |w| {:.2f} (point {}, {}), limit {:.2f}\n", w,
-                       worst->point, worst->image, limit);
-  return fmt::format(
-      "the measurement of point {} in {} contradicts the others: |w| {:.2f}, limit {:.2f}. Measure it "
-      "again, look at its ground coordinates, or leave it out\n",
-      worst->point, worst->image, w, limit);
+  const double w = worst->w.cwiseAbs().maxCoeff();
+  return largest_test_text(report.variance, w, worst->point, worst->image);
 }
 
 }  // namespace
@@ -239,7 +213,7 @@ std::string resection_text(const ResectionReport& report) {
     if (mark.is_rejected)
       text += fmt::format("point {} in {} takes no part: it is off by {:.3g} {}\n", mark.point, mark.image,
                           mark.misfit.norm(), report.unit);
-  return text + suspect_text(report);
+  return text + suspect_text(report) + findings_text(report.findings);
 }
 
 std::vector<NamedTable> resection_tables(const ResectionReport& report) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "collinea/base/finding.h"
 #include "collinea/orient/space_resection.h"
 #include "collinea/report/single_step.h"
 
@@ -37,8 +38,15 @@ struct ResectionReport {
     std::vector<std::vector<Estimate>> solutions;  ///< all poses of three points
     std::optional<PoseConditioning> conditioning;
     std::optional<DangerCylinder> danger;  ///< in the plane: the circle
-    double robust_scale = 0;               ///< of the least median of squares; 0 where it was not asked for
-    bool is_determined = true;             ///< a pose follows from what was given
+    struct Control {
+      std::string name;
+      Eigen::Vector3d position;
+    };
+    std::vector<Control> control;                       ///< through which it goes, as far as it does
+    Eigen::Vector3d station = Eigen::Vector3d::Zero();  ///< projection centre, or station in the plane
+    std::vector<Eigen::Vector3d> open_stations;         ///< an arc of the circle on which no direction tells where
+    double robust_scale = 0;    ///< of the least median of squares; 0 where it was not asked for
+    bool is_determined = true;  ///< a pose follows from what was given
   };
   struct Mark {
     std::string image, point;
@@ -58,11 +66,15 @@ struct ResectionReport {
   std::vector<Mark> marks;
   std::vector<Point> tie_points;
   VarianceTest variance;
+  std::vector<Finding> findings;
 
   [[nodiscard]] bool is_station() const { return kind == Kind::kStation; }
 };
 
 [[nodiscard]] std::string resection_text(const ResectionReport& report);
+/// The danger circle or cylinder of each image with its control and the projection centre, seen along the axis of the
+/// cylinder and across it: an SVG; "" where the control of none lies in a way that gives a circle.
+[[nodiscard]] std::string danger_svg(const ResectionReport& report);
 /// orientation, residuals; of one image correlations; tie points; of a matrix its elements and their correlations, the
 /// interior orientation, the matrix taken apart, rays.
 [[nodiscard]] std::vector<NamedTable> resection_tables(const ResectionReport& report);

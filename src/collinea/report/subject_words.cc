@@ -77,7 +77,7 @@ std::string of_block(Aspect aspect) {
 }
 
 std::string of_image(const Subject& subject, const std::string& name) {
-  const bool all = subject.id == Subject::kAll;
+  const bool all = subject.id == Subject::kAll && subject.name.empty();
   const std::string whose = all ? "the images" : name;
   switch (subject.aspect) {
     case Aspect::kAttitude:
@@ -121,6 +121,8 @@ std::string words_of(const Subject& subject, const Block& block) {
       return name == "orthophoto" ? name : name.substr(0, name.find('_')) + " model";
     case SubjectKind::kModel:
       return "model " + name;
+    case SubjectKind::kPoint:
+    case SubjectKind::kMark:
     case SubjectKind::kFile:
     case SubjectKind::kCrs:
       return name;

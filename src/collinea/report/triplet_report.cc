@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collinea/io/text.h"
+#include "collinea/report/findings_text.h"
 
 namespace collinea {
 namespace {
@@ -90,16 +90,11 @@ std::string choice_text(const TripletReport& report) {
   const auto& all = report.joined.combinations;
   const auto acceptable = std::count_if(all.begin(), all.end(), [](const auto& one) { return one.is_joined; });
   const ThreeImageCombination& chosen = all[static_cast<std::size_t>(report.joined.chosen)];
-  std::string text = fmt::format(
+  return fmt::format(
       "{} of 16 combinations are acceptable: all points agree on one ratio of the bases. Chosen is {} with {}, which "
       "has {} of {} points in front of all images\n",
       acceptable, solution_name(1, chosen.of_first), solution_name(2, chosen.of_second), chosen.in_front,
       report.common);
-  if (acceptable != 2)
-    text += "weak: two are expected, mirror images of each other. Points are few or their rays nearly parallel\n";
-  if (chosen.in_front < static_cast<int>(report.common))
-    text += "weak: points behind an image in the chosen combination. Look at their measurements\n";
-  return text;
 }
 
 std::string suspect_text(const TripletReport& report) {
@@ -125,9 +120,7 @@ std::string triplet_text(const TripletReport& report) {
     text += fmt::format("image {}:\n", image.name) + estimates_text(image.exterior);
   text += fmt::format("conditioning: smallest over largest eigenvalue {:.2e}\n", report.conditioning);
   text += "residuals, measured minus computed:\n" + indented_rows(residual_table(report));
-  for (const std::string& name : report.without_position)
-    text += fmt::format("point {} has no position: its rays are parallel or meet behind an image\n", name);
-  return text + suspect_text(report);
+  return text + suspect_text(report) + findings_text(report.findings);
 }
 
 std::vector<NamedTable> triplet_tables(const TripletReport& report) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "collinea/base/finding.h"
 #include "collinea/epipolar/image_bundles.h"
 #include "collinea/epipolar/relative_orientation.h"
 #include "collinea/epipolar/three_images.h"
@@ -52,6 +53,7 @@ struct TripletReport {
   double conditioning = 0;                    ///< AdjustedBundles::conditioning
   int iterations = 0;
   VarianceTest variance;
+  std::vector<Finding> findings;
 };
 
 /// For a terminal: both pairs, the sixteen combinations and the choice, orientation, residuals with tests.

@@ -16,6 +16,8 @@ Rigid3 motion_of(const Rigid3& first, const Rigid3& second) {
   return motion;
 }
 
+double distance(const std::array<Rigid3, 2>& poses) { return (centre_of(poses[1]) - centre_of(poses[0])).norm(); }
+
 // The change (changed()) that leads from one motion to another near it.
 Vector5 change_between(const Rigid3& from, const Rigid3& to) {
   const Eigen::Vector3d base = base_in_first(from);
@@ -25,18 +27,22 @@ Vector5 change_between(const Rigid3& from, const Rigid3& to) {
   return change;
 }
 
-Matrix5 covariance_of(const GivenPair& pair) {
-  Matrix5 sum = Matrix5::Zero();
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+// Of [changed(), base].
+Matrix6 covariance_of(const GivenPair& pair) {
+  Matrix6 sum = Matrix6::Zero();
   for (std::size_t k = 0; k < 2; ++k) {
-    Eigen::Matrix<double, 5, 6> by;
+    Matrix6 by;
     for (int i = 0; i < 6; ++i) {
       const double step = i < 3 ? kStep : kStep * pair.base;
       std::array<Rigid3, 2> more{pair.poses[0].cam_from_world, pair.poses[1].cam_from_world}, less = more;
       more[k] = pose_after(more[k], i, step);
       less[k] = pose_after(less[k], i, -step);
-      by.col(i) = (change_between(pair.second_from_first, motion_of(more[0], more[1])) -
-                   change_between(pair.second_from_first, motion_of(less[0], less[1]))) /
-                  (2 * step);
+      by.col(i).head<5>() = (change_between(pair.second_from_first, motion_of(more[0], more[1])) -
+                             change_between(pair.second_from_first, motion_of(less[0], less[1]))) /
+                            (2 * step);
+      by(5, i) = (distance(more) - distance(less)) / (2 * step);
     }
     sum += by * pair.poses[k].covariance * by.transpose();
   }
@@ -44,6 +50,17 @@ Matrix5 covariance_of(const GivenPair& pair) {
 }
 
 }  // namespace
+
+std::optional<GivenPair> pair_of_poses(const UncertainPose& left, const UncertainPose& right) {
+  GivenPair pair;
+  pair.poses = {left, right};
+  pair.base = distance({left.cam_from_world, right.cam_from_world});
+  if (!(pair.base > 0)) return std::nullopt;
+  pair.second_from_first = motion_of(left.cam_from_world, right.cam_from_world);
+  pair.covariance_with_base = covariance_of(pair);
+  pair.covariance = pair.covariance_with_base.topLeftCorner<5, 5>();
+  return pair;
+}
 
 AbsoluteOrientation GivenPair::ground_from_model() const {
   AbsoluteOrientation made;
@@ -69,8 +86,7 @@ Result<GivenPair> read_given_pair(const std::filesystem::path& left, const std::
     return fail(Errc::kBadInput, "the table of exterior orientations states the base and where the ground is",
                 {"exterior"_option, "control"_option, "base_m"_option});
   COLLINEA_TRY(const ExteriorTable table, read_exterior_table(*options.exterior));
-  GivenPair pair;
-  pair.is_metric = table.is_metric;
+  std::array<UncertainPose, 2> poses;
   const std::filesystem::path* const files[] = {&left, &right};
   const std::array<std::string, 2> words{"left", "right"};
   for (std::size_t k = 0; k < 2; ++k) {
@@ -79,16 +95,14 @@ Result<GivenPair> read_given_pair(const std::filesystem::path& left, const std::
     if (!found)
       return fail(Errc::kNotFound, fmt::format("{}: no image {}", options.exterior->string(), names[0]),
                   {"exterior"_option});
-    pair.poses[k] = *found;
+    poses[k] = *found;
   }
-  const Rigid3 &first = pair.poses[0].cam_from_world, &second = pair.poses[1].cam_from_world;
-  pair.base = (centre_of(second) - centre_of(first)).norm();
-  if (!(pair.base > 0))
+  auto pair = pair_of_poses(poses[0], poses[1]);
+  if (!pair)
     return fail(Errc::kIllPosed, options.exterior->string() + ": both images have the same projection centre",
                 {"exterior"_option});
-  pair.second_from_first = motion_of(first, second);
-  pair.covariance = covariance_of(pair);
-  return pair;
+  pair->is_metric = table.is_metric;
+  return *std::move(pair);
 }
 
 }  // namespace collinea

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "collinea/epipolar/relative_elements.h"
 #include "collinea/geometry/absolute_orientation.h"
@@ -16,7 +17,8 @@ struct GivenPair {
   bool is_metric = true;
   Rigid3 second_from_first;              ///< translation of unit length
   Matrix5 covariance = Matrix5::Zero();  ///< of changed(), by those of the poses, taken as independent
-  double base = 1;                       ///< distance of the projection centres
+  Eigen::Matrix<double, 6, 6> covariance_with_base = Eigen::Matrix<double, 6, 6>::Zero();  ///< of [changed(), base]
+  double base = 1;  ///< distance of the projection centres
 
   /// Of the model whose frame is the left camera, with that base; without what the poses make uncertain.
   [[nodiscard]] AbsoluteOrientation ground_from_model() const;
@@ -24,6 +26,9 @@ struct GivenPair {
 
 /// A pose after a small change of one of its six parameters (UncertainPose::covariance).
 [[nodiscard]] Rigid3 pose_after(const Rigid3& cam_from_world, int parameter, double step);
+
+/// Of two poses. Nothing where both have one projection centre.
+[[nodiscard]] std::optional<GivenPair> pair_of_poses(const UncertainPose& left, const UncertainPose& right);
 
 /// The poses of both images in the table of the options, under the name of their file, that name without its end, left
 /// and right, or as pair_film() names its images. Errors: the table; an image that is not in it; one position for both;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/jobs/internal/model_findings.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <string>
 
+#include "collinea/jobs/internal/point_spread.h"
 #include "collinea/report/fit_findings.h"
 
 namespace collinea {
@@ -18,7 +18,6 @@ using F = FigureName;
 
 // Seven parameters of 3 n coordinates: with five points each coordinate is checked by half on average.
 constexpr std::size_t kFewPoints = 5;
-constexpr double kNearLine = 0.1;  // width over length of where the points lie
 
 void add_left_out(const ModelsReport& report, std::vector<Finding>& findings) {
   for (const LeftOutModel& one : report.block.chain.left_out) {
@@ -44,16 +43,6 @@ void add_left_out(const ModelsReport& report, std::vector<Finding>& findings) {
     if (!report.pairs[i].failure.empty())
       findings.push_back(finding_of(C::kPairMakesNoModel, {Subject::file(report.pair_names[i])}, {},
                                     {RemedyCode::kMeasureTiePoints}, report.pairs[i].failure));
-}
-
-// Width over length of the points, as standard deviations along their second and first axis.
-double width_over_length(const std::vector<Vector3d>& points) {
-  Vector3d mean = Vector3d::Zero();
-  for (const Vector3d& point : points) mean += point / double(points.size());
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const Vector3d& point : points) spread += (point - mean) * (point - mean).transpose();
-  const Vector3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread, Eigen::EigenvaluesOnly).eigenvalues();
-  return axes[2] > 0 ? std::sqrt(std::max(0.0, axes[1]) / axes[2]) : 0;
 }
 
 // By which the model hangs: points of other models that are joined, and control that is fully known.

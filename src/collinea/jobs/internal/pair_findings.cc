@@ -6,6 +6,7 @@
 
 #include "collinea/epipolar/intersect_rays.h"
 #include "collinea/epipolar/pair_shape.h"
+#include "collinea/jobs/internal/orientation_findings.h"
 #include "collinea/math/median.h"
 #include "collinea/report/fit_findings.h"
 
@@ -55,6 +56,12 @@ void add_geometry(const ModelOfPair& model, std::vector<Finding>& findings) {
     findings.push_back(finding_of(C::kPairGeometry, {}, {{F::kRatio, shape->inflation}}, {RemedyCode::kLeaveSurface},
                                   std::string(word_of(weakness))));
   }
+}
+
+void add_choice(const ModelOfPair& model, std::vector<Finding>& findings) {
+  std::vector<PairPoint> used;
+  const auto points = normalised(model.points, model.left_camera, model.right_camera, 1);
+  add_choice_findings(model.orientation, relative_solutions(model.orientation.second_from_first, points), findings);
 }
 
 // The base over the distance of the points along the view.
@@ -164,7 +171,10 @@ std::vector<Finding> pair_findings(const ModelOfPair& model, const PairReport& r
   const auto overlap = PairOverlap::of(model);
   std::vector<Finding> findings;
   add_points(last, overlap, model.points, findings);
-  if (!report.is_given) add_geometry(model, findings);  // what is given is not determined by the points
+  if (!report.is_given) {  // what is given is not determined by the points
+    add_geometry(model, findings);
+    add_choice(model, findings);
+  }
   if (wanted_sigma_z_m && report.is_metric() && report.median_sigma_z_m() > *wanted_sigma_z_m)
     if (const auto ratio = base_ratio(report, median_depth(model)))
       findings.push_back(

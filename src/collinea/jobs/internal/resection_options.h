@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -28,6 +29,7 @@ struct ResectOneOptions {
   bool least_median = false, reject = false;
   double alpha = 0.001;
   std::uint64_t seed = 1;
+  std::optional<std::filesystem::path> out = {};
 
   template <class Visit>
   static void describe(Visit&& visit) {
@@ -47,6 +49,10 @@ struct ResectOneOptions {
                 "leave out measurements one by one as long as the largest test w is beyond its limit"});
     visit(Field{"alpha", &O::alpha, "1", "chance with which a test rejects what is right", 1e-6, 0.5});
     visit(Field{"seed", &O::seed, "", "of the samples drawn where there are many"});
+    visit(Field{"out", &O::out, "",
+                "folder for the tables of orientation, correlations, residuals and points, and the picture of the "
+                "danger circle or cylinder"}
+              .leads_to(PathKind::kFolder));
   }
 };
 

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "collinea/geometry/planar_resection.h"
+#include "collinea/jobs/internal/danger_shape.h"
 #include "collinea/jobs/internal/pose_estimates.h"
 
 namespace collinea {
@@ -87,6 +88,46 @@ void add_marks(const ResectionTables& tables, const PlanarResection& found, Rese
   }
 }
 
+std::vector<ResectionReport::Image::Control> control_of(const ResectionTables& tables) {
+  const Directions all = directions_of(tables);
+  std::vector<ResectionReport::Image::Control> out;
+  for (std::size_t k = 0; k < all.rows.size(); ++k)
+    out.push_back({tables.marks[all.rows[k]].point, {all.directions[k].to.x(), all.directions[k].to.y(), 0}});
+  return out;
+}
+
+void set_danger(const ResectionTables& tables, const Vector2d& station, ResectionReport::Image& image) {
+  std::vector<Vector2d> points;
+  for (const PlanarDirection& one : directions_of(tables).directions) points.push_back(one.to);
+  const auto circle = danger_circle(points);
+  if (!circle) return;
+  image.danger = DangerCylinder{circle->radius,
+                                circle->points_off,
+                                (station - circle->centre).norm() - circle->radius,
+                                {circle->centre.x(), circle->centre.y(), 0}};
+  image.control = control_of(tables);
+  image.station = {station.x(), station.y(), 0};
+}
+
+// The station anywhere on the arc that its directions leave open, where they do.
+ResectionReport without_solution(const ResectionTables& tables) {
+  constexpr int kSteps = 60;
+  ResectionReport report;
+  report.kind = ResectionReport::Kind::kStation;
+  const auto arc = open_arc(directions_of(tables).directions);
+  if (!arc) return report;
+  ResectionReport::Image image{tables.images[0]};
+  std::vector<Vector2d> stations;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double at = arc->from_rad + (arc->to_rad - arc->from_rad) * i / kSteps;
+    stations.emplace_back(arc->circle.centre + arc->circle.radius * Vector2d(std::cos(at), std::sin(at)));
+    image.open_stations.emplace_back(stations.back().x(), stations.back().y(), 0);
+  }
+  set_danger(tables, stations[kSteps / 2], image);
+  report.images.push_back(std::move(image));
+  return report;
+}
+
 }  // namespace
 
 Result<ResectionReport> of_station(ResectionTables& tables, const ResectOneOptions& options) {
@@ -95,11 +136,13 @@ Result<ResectionReport> of_station(ResectionTables& tables, const ResectOneOptio
   if (options.least_median) COLLINEA_TRY(leave_out_by_median(tables, options.seed));
   const auto found = fitted(tables, options);
   const std::size_t count = directions_of(tables).directions.size();
-  if (!found)
-    return fail(Errc::kIllPosed,
-                fmt::format("{} directions do not determine the station: three to points apart are needed, and it must "
-                            "not lie on the circle through them",
-                            count));
+  if (!found) {
+    auto failed = fail(Errc::kIllPosed,
+                       fmt::format("{} directions do not determine the station: three to points apart are needed, and "
+                                   "it must not lie on the circle through them",
+                                   count));
+    return tl::unexpected(with_danger(std::move(failed.value()), without_solution(tables), options));
+  }
   ResectionReport report;
   report.unit = "mgon";
   report.variance = {found->sigma0, found->redundancy, tables.sigmas_are_stated, options.alpha};
@@ -113,7 +156,7 @@ Result<ResectionReport> of_station(ResectionTables& tables, const ResectOneOptio
                     {"Y", "m", found->station.y()},
                     {"orientation", "deg", found->orientation_rad * kDegrees}};
   add_sigmas(image.exterior, image.covariance);
-  image.danger = DangerCylinder{found->danger_radius, 0, found->danger_off};
+  set_danger(tables, found->station, image);
   report.images.push_back(std::move(image));
   add_marks(tables, *found, report);
   return report;

@@ -55,11 +55,16 @@ struct FindingWords {
 [[nodiscard]] std::string words_of_datum(const FindingWords& w);             ///< what fixes the block
 [[nodiscard]] std::string words_of_weak_images(const FindingWords& w);       ///< images that hang loosely
 [[nodiscard]] std::string words_of_weak_unknowns(const FindingWords& w);     ///< unknowns that are determined badly
-[[nodiscard]] std::string words_of_weak_cases(const FindingWords& w);   ///< scenes and motions that determine badly
-[[nodiscard]] std::string words_of_orientation(const FindingWords& w);  ///< what orientation and adjustment did
-[[nodiscard]] std::string words_of_products(const FindingWords& w);     ///< products and exchange
-[[nodiscard]] std::string words_of_pair(const FindingWords& w);         ///< a pair of images
-[[nodiscard]] std::string words_of_models(const FindingWords& w);       ///< independent models
-[[nodiscard]] std::string words_of_fit(const FindingWords& w);          ///< control and residuals of a single step
+[[nodiscard]] std::string words_of_weak_cases(const FindingWords& w);    ///< scenes and motions that determine badly
+[[nodiscard]] std::string words_of_orientation(const FindingWords& w);   ///< what orientation and adjustment did
+[[nodiscard]] std::string words_of_products(const FindingWords& w);      ///< products and exchange
+[[nodiscard]] std::string words_of_pair(const FindingWords& w);          ///< a pair of images
+[[nodiscard]] std::string words_of_models(const FindingWords& w);        ///< independent models
+[[nodiscard]] std::string words_of_fit(const FindingWords& w);           ///< control and residuals of a single step
+[[nodiscard]] std::string words_of_measured(const FindingWords& w);      ///< measurements of a single step
+[[nodiscard]] std::string words_of_poses(const FindingWords& w);         ///< orientations by a single step
+[[nodiscard]] std::string words_of_rays(const FindingWords& w);          ///< points by intersection
+[[nodiscard]] std::string words_of_uncalibrated(const FindingWords& w);  ///< images without a known camera
+[[nodiscard]] std::string words_of_fiducials(const FindingWords& w);     ///< marks of films
 
 }  // namespace collinea

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "collinea/base/words.h"
+#include "collinea/block/subject_label.h"
 #include "collinea/epipolar/pair_shape.h"
 #include "collinea/report/internal/finding_sentences.h"
 
@@ -22,6 +23,9 @@ std::string geometry_words(const FindingWords& w) {
       "than if the others were known.",
       meaning, w[F::kRatio]);
 }
+
+// Whose they are, where they are not of all.
+std::string of_subjects(const FindingWords& w) { return w.finding.subjects.empty() ? "" : " of " + w.all(); }
 
 }  // namespace
 
@@ -102,20 +106,21 @@ std::string words_of_fit(const FindingWords& w) {
   switch (w.finding.code) {
     case C::kControlContradicts:
       return fmt::format(
-          "Control point {} contradicts the others by {:.3g} m: its test |w| is {:.1f}, the limit {:.1f}. It takes "
-          "part "
-          "all the same.",
-          w.subject(0), w[F::kOffset], w[F::kTest], w[F::kLimit]);
+          "Control point {} contradicts the others in {} by {:.3g} m: its test |w| is {:.1f}, the limit {:.1f}. It "
+          "takes part all the same.",
+          name_in_block(w.finding.subjects.at(0), w.block), "XYZ"[w.finding.subjects[0].axis % 3], w[F::kOffset],
+          w[F::kTest], w[F::kLimit]);
     case C::kResidualsLarge:
       return fmt::format(
-          "Residuals are {:.2g} times as large as the stated standard deviations let expect (chance of so much or more "
+          "Residuals{} are {:.2g} times as large as the stated standard deviations let expect (chance of so much or "
+          "more "
           "{:.1g}): something is wrong, or they are stated too small.",
-          w[F::kRatio], w[F::kChance]);
+          of_subjects(w), w[F::kRatio], w[F::kChance]);
     case C::kResidualsSmall:
       return fmt::format(
-          "Residuals are {:.2g} of what the stated standard deviations let expect (chance of so little or less "
+          "Residuals{} are {:.2g} of what the stated standard deviations let expect (chance of so little or less "
           "{:.1g}): they are stated too large, or are not independent.",
-          w[F::kRatio], w[F::kChance]);
+          of_subjects(w), w[F::kRatio], w[F::kChance]);
     default:
       return "";
   }
