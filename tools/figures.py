@@ -9,18 +9,29 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tools" / "figures"))
+import estimation  # noqa: E402
 import images  # noqa: E402
 import orientation  # noqa: E402
+import products  # noqa: E402
 
 FIGURES = {
+    "adjustment": estimation.adjustment,
+    "camera": estimation.camera,
     "factorisation": orientation.factorisation,
+    "frames": orientation.frames,
     "least-squares-matching": images.least_squares_matching,
     "multi-image-matching": images.multi_image_matching,
+    "orthophoto": products.orthophoto,
     "pair": images.pair,
+    "planning": estimation.planning,
+    "rectification": products.rectification,
     "relaxation": images.relaxation,
+    "reliability": estimation.reliability,
     "resection": orientation.resection,
     "sift": images.sift,
     "stereo": images.stereo,
+    "surface": products.surface,
+    "two-view": orientation.two_view,
 }
 
 

@@ -99,3 +99,101 @@ def measured_errors(page):
         if len(cells) == 10 and cells[1] == "0.3":
             rows.append((cells[0], [float(cell) for cell in cells[5:9]]))
     return rows
+
+
+def two_view():
+    """Two centres, a point, its epipolar plane and lines; and how many samples the share of right matches asks for."""
+    d = Drawing(640, 250)
+    view = View(150, 190, 60, 12, 20)
+    a, b, x = (-1.8, 0.0, 0.9), (1.6, 0.0, 0.8), (0.1, 2.3, 2.2)
+    d.line([view(*a), view(*b), view(*x)], GREEN, 1, fill=GREEN, opacity=0.10, close=True)
+    for centre, turn, name in ((a, 0.35, "p"), (b, -0.35, "q")):
+        across, up = (math.cos(turn), -math.sin(turn), 0.0), (0.0, 0.0, 1.0)
+        forward = (math.sin(turn), math.cos(turn), 0.0)
+        at = lambda u, v: tuple(c + 0.75 * f + u * s + v * w for c, f, s, w in zip(centre, forward, across, up))
+        corners = [view(*at(u, v)) for u, v in ((-0.5, -0.35), (0.5, -0.35), (0.5, 0.6), (-0.5, 0.6))]
+        d.line(corners, BLUE, 1.3, fill=BLUE, opacity=0.08, close=True)
+        other = b if centre is a else a
+
+        def seen(point):
+            way = [p - c for p, c in zip(point, centre)]
+            depth = dot(way, forward)
+            return dot(way, across) * 0.75 / depth, dot(way, up) * 0.75 / depth
+
+        u, v = seen(x)
+        # The epipolar line joins the images of two points of the other ray.
+        far = seen(tuple(o + 3.0 * (p - o) for o, p in zip(other, x)))
+        slope = (far[1] - v) / (far[0] - u)
+        d.line([view(*at(s, v + slope * (s - u))) for s in (-0.5, 0.5)], RED, 1.5)
+        d.dot(view(*at(u, v)), INK)
+        spot = view(*at(u, v))
+        d.text((spot[0] - 4, spot[1] - 7), name, INK, "end" if name == "p" else "end")
+        d.line([view(*centre), view(*x)], INK, 1)
+        d.dot(view(*centre), INK, 4)
+    d.dot(view(*x), GREEN, 4)
+    d.text((view(*x)[0] + 8, view(*x)[1]), "X", GREEN)
+    d.text((view(*a)[0], view(*a)[1] + 22), "first centre", INK, "middle")
+    d.text((view(*b)[0], view(*b)[1] + 22), "second centre", INK, "middle")
+    d.text((15, 243), "q' E p = 0: q lies on the line of the plane of p and the base")
+    chart = Chart(d, 420, 34, 200, 160, (0.2, 1), (1, 100000), logarithmic=True)
+    chart.axes([0.2, 0.4, 0.6, 0.8, 1], [1, 10, 100, 1000, 10000, 100000], "share of right matches", "samples for 99.99 %")
+    for size, colour, name in ((7, RED, "7 points"), (5, BLUE, "5 points"), (4, GREEN, "4 points")):
+        needed = lambda w: max(1, math.log(1e-4) / math.log1p(-(w**size)))
+        chart.curve([(w, needed(w)) for w in [s / 200 for s in range(40, 200)] if needed(w) <= 1e5], colour)
+        d.text((chart.at(0.66, 1)[0], 54 + 15 * (7, 5, 4).index(size)), name, colour, size=11)
+    return d
+
+
+def on_sphere(lat_deg, lon_deg):
+    lat, lon = math.radians(lat_deg), math.radians(lon_deg)
+    return (math.cos(lat) * math.cos(lon), math.cos(lat) * math.sin(lon), math.sin(lat))
+
+
+def draw_front(d, view, points, colour):
+    """What of a line on the unit sphere is on the side of the viewer."""
+    part = []
+    for x, y, z in [*points, (0, 0, 0)]:
+        away = math.sin(view.turn) * x + math.cos(view.turn) * y
+        is_front = math.cos(view.down) * away - math.sin(view.down) * z < 0
+        if is_front:
+            part.append(view(x, y, z))
+        elif part:
+            if len(part) > 1:
+                d.line(part, colour, 0.8)
+            part = []
+
+
+def frames():
+    """The world at a place on the Earth; camera and image frame."""
+    d = Drawing(640, 250)
+    view = View(125, 125, 92, -25, 22)
+    for lat in (-60, -30, 0, 30, 60):
+        draw_front(d, view, [on_sphere(lat, lon) for lon in range(-180, 181, 4)], GREY if lat == 0 else "#bbb")
+    for lon in range(-180, 180, 30):
+        draw_front(d, view, [on_sphere(lat, lon) for lat in range(-90, 91, 4)], GREY if lon == 0 else "#bbb")
+    d.line([(125 + 92 * math.cos(t / 30 * math.pi), 125 + 92 * math.sin(t / 30 * math.pi)) for t in range(61)], GREY, 1)
+    b, l = math.radians(45), math.radians(-40)
+    place = on_sphere(45, -40)
+    east = (-math.sin(l), math.cos(l), 0.0)
+    north = (-math.sin(b) * math.cos(l), -math.sin(b) * math.sin(l), math.cos(b))
+    axes = ((east, "x east", (5, 8)), (north, "y north", (-56, -2)), (place, "z up", (5, 4)))
+    for way, name, off in axes:
+        tip = view(*(p + 0.6 * w for p, w in zip(place, way)))
+        d.line([view(*place), tip], RED, 1.6, arrow=True)
+        d.text((tip[0] + off[0], tip[1] + off[1]), name, RED)
+    d.dot(view(*place), RED)
+    d.text((15, 243), "world: topocentric at the origin (φ0, λ0, h0), metric")
+    view = View(440, 60, 62, -22, 20)
+    for way, name, off in (((1.1, 0, 0), "x right", (4, 4)), ((0, -1.1, 0), "y down", (-30, 18)), ((0, 0, -2.3), "z forward", (6, 4))):
+        tip = view(*way)
+        d.line([view(0, 0, 0), tip], BLUE, 1.6, arrow=True)
+        d.text((tip[0] + off[0], tip[1] + off[1]), name, BLUE)
+    d.line([view(s, t, -1.5) for s, t in ((-0.9, -0.7), (0.9, -0.7), (0.9, 0.7), (-0.9, 0.7))], INK, 1.2, fill=GREY, opacity=0.1, close=True)
+    d.line([view(-0.9, 0.7, -1.5), view(-0.3, 0.7, -1.5)], INK, 1.8, arrow=True)
+    d.line([view(-0.9, 0.7, -1.5), view(-0.9, 0.2, -1.5)], INK, 1.8, arrow=True)
+    d.text((view(-0.3, 0.7, -1.5)[0] + 3, view(-0.3, 0.7, -1.5)[1] - 5), "u")
+    d.text((view(-0.9, 0.2, -1.5)[0] - 14, view(-0.9, 0.2, -1.5)[1] + 4), "v")
+    d.dot(view(0, 0, 0), BLUE, 4)
+    d.text((view(0, 0, 0)[0] - 10, view(0, 0, 0)[1] - 8), "centre C", BLUE, "end")
+    d.text((350, 243), "camera; pixels (u, v) from the upper left corner")
+    return d
