@@ -17,6 +17,7 @@ import products  # noqa: E402
 FIGURES = {
     "adjustment": estimation.adjustment,
     "camera": estimation.camera,
+    "dense": products.dense,
     "factorisation": orientation.factorisation,
     "frames": orientation.frames,
     "least-squares-matching": images.least_squares_matching,
@@ -31,6 +32,8 @@ FIGURES = {
     "sift": images.sift,
     "stereo": images.stereo,
     "surface": products.surface,
+    "systematics": products.systematics,
+    "terrain": products.terrain,
     "two-view": orientation.two_view,
 }
 

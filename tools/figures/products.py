@@ -83,7 +83,7 @@ def rectification():
     d.dot(thing, RED)
     d.dot(seen, RED)
     d.dot(foot, INK)
-    d.text((thing[0] - 8, thing[1] - 8), "depth t", RED, "end")
+    d.text((thing[0] - 8, thing[1] + 15), "depth t", RED, "end")
     d.line([(seen[0], wall - 14), (foot[0], wall - 14)], RED, 1.4)
     d.text(((seen[0] + foot[0]) / 2, wall - 20), "shift", RED, "middle")
     d.text((centre[0] + 6, 125), "Cz", GREY)
@@ -122,4 +122,112 @@ def surface():
         d.line([place(x + 0.5, mean - 3 * sigma), place(x + 0.5, mean + 3 * sigma)], RED if x == 5 else BLUE, 1.2)
     d.text((40, 212), "cells; grey: points; blue: surface of a cell, with three standard deviations")
     d.text((40, 228), "red: the cell of the wall takes the roof", RED)
+    return d
+
+
+def terrain():
+    """A profile with trees and houses, its openings by growing squares, and what is taken for ground."""
+    d = Drawing(640, 250)
+    ground = lambda x: 6 + 5 * math.exp(-(((x - 90) / 28) ** 2)) + 0.02 * x
+    objects = ((14, 24, 9.0), (34, 38, 6.0), (43, 46, 7.0), (60, 64, 5.0), (104, 118, 7.5), (130, 133, 6.0))
+    low = [ground(x) + sum(h for a, b, h in objects if a <= x <= b) for x in range(150)]
+    is_object = [False] * len(low)
+    level, lines, radius = low, [], 1.0
+    while radius <= 9:
+        r = round(radius)
+        opened = window(window(level, r, min), r, max)
+        for k, (before, after) in enumerate(zip(level, opened)):
+            is_object[k] |= before - after > 0.15 * r
+        lines.append(opened)
+        level, radius = opened, 1.2 * radius if 1.2 * radius > radius + 1 else radius + 1
+    place = lambda x, z: (30 + 3.9 * x, 205 - 8.5 * z)
+    for opened, dash in ((lines[1], "2 2"), (lines[-1], None)):
+        d.line([place(x, z) for x, z in enumerate(opened)], GREEN, 1.2 if dash else 1.8, dash)
+    d.line([place(x, z) for x, z in enumerate(low)], GREY, 1.3)
+    for a, b, taken in runs(["g" if not o else "o" for o in is_object]):
+        d.line([(place(a, 0)[0], 222), (place(b, 0)[0], 222)], BLUE if taken == "g" else RED, 6)
+    d.text((30, 20), "low heights of the cells", GREY)
+    d.text((200, 20), "opened by 2 cells (dotted) and by 9", GREEN)
+    d.text((30, 243), "ground", BLUE)
+    d.text((85, 243), "stands on it: a step of an opening took more than 0.15 r C", RED)
+    return d
+
+
+def window(values, r, of):
+    return [of(values[max(0, k - r) : k + r + 1]) for k in range(len(values))]
+
+
+def dense():
+    """Costs of labels along a row, alone and summed up along the path, and the labels that win."""
+    d = Drawing(640, 260)
+    draw = random.Random(12)
+    width, labels = 48, 16
+    truth = [4 + 0.06 * x if x < 18 or x > 34 else 11.0 for x in range(width)]
+    cost = [[min(24.0, 5 + 5 * abs(k - t)) + draw.uniform(-6, 6) if draw.random() > 0.3 else 18 + draw.uniform(-9, 6)
+             for k in range(labels)] for t in truth]
+    small, large = 4.0, 14.0
+
+    def path(columns):
+        """L(p, k) of one direction (the formula of the page)."""
+        sums, last = {}, None
+        for x in columns:
+            if last is None:
+                sums[x] = list(cost[x])
+            else:
+                least = min(last)
+                sums[x] = [cost[x][k] + min(last[k], *(last[j] + small for j in (k - 1, k + 1) if 0 <= j < labels), least + large) - least
+                           for k in range(labels)]
+            last = sums[x]
+        return sums
+
+    there, back = path(range(width)), path(range(width - 1, -1, -1))
+    total = [[there[x][k] + back[x][k] - cost[x][k] for k in range(labels)] for x in range(width)]
+    cell = 6.0
+    for left, values, words in ((15, cost, "costs of a row"), (335, total, "summed along it, both ways")):
+        d.text((left, 22), words)
+        flat = [v for column in values for v in column]
+        shades = {}
+        low, high = min(flat), sorted(flat)[int(0.9 * len(flat))]
+        for x, column in enumerate(values):
+            for k, v in enumerate(column):
+                grey = round(255 * min(1.0, max(0.0, (v - low) / (high - low))))
+                shades.setdefault(32 * round(grey / 32), []).append(f"M{left + cell * x:g} {30 + 10 * (labels - 1 - k)}h{cell:g}v10h-{cell:g}z")
+        for grey, cells in sorted(shades.items()):
+            if grey < 250:
+                d.parts.append(f'<path d="{"".join(cells)}" fill="rgb({grey},{grey},{grey})"/>')
+        d.box(left, 30, cell * width, 10 * labels)
+        for x, column in enumerate(values):
+            best = min(range(labels), key=lambda k: column[k])
+            is_right = abs(best - truth[x]) <= 1
+            d.dot((left + cell * (x + 0.5), 30 + 10 * (labels - 0.5 - best)), GREEN if is_right else RED, 2.6)
+    d.text((15, 208), "upwards: labels, inverse depths of a pixel's ray;")
+    d.text((15, 224), "to the right: pixels")
+    d.text((335, 208), "the least is right (within a label)", GREEN)
+    d.text((335, 224), "or wrong", RED)
+    d.text((335, 246), f"small changes cost {small:g}, jumps {large:g}", GREY)
+    return d
+
+
+def systematics():
+    """What four errors do to measured positions of a block: shift, offset of time, drift of a strip, bowl."""
+    d = Drawing(640, 215)
+    patterns = (("shift", lambda x, y, way: (0.5, 0.25)), ("time_offset", lambda x, y, way: (0.55 * way, 0.0)),
+                ("drift", lambda x, y, way: (0.0, 0.7 * way * x)), ("bowl (heights)", None))
+    for k, (name, moved) in enumerate(patterns):
+        middle_x, middle_y = 85 + 157 * k, 105
+        d.text((middle_x, 24), name, anchor="middle")
+        for strip in range(4):
+            way = 1 if strip % 2 == 0 else -1
+            y = (strip - 1.5) / 1.5
+            for image in range(6):
+                x = (image - 2.5) / 2.5
+                at = (middle_x + 55 * x, middle_y + 55 * y)
+                if moved:
+                    dx, dy = moved(x, y, way)
+                    d.line([at, (at[0] + 24 * dx, at[1] - 24 * dy)], RED, 1.2, arrow=abs(dx) + abs(dy) > 0.2)
+                    d.dot(at, BLUE, 2.4)
+                else:
+                    height = 0.55 - (x * x + y * y) / 2
+                    d.dot(at, RED if height > 0 else BLUE, 1.2 + 9 * abs(height), hollow=height < 0)
+    d.text((15, 205), "strips are flown to and fro; arrows: measured less true position; discs: too high, rings: too low", size=11)
     return d
