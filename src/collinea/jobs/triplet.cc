@@ -148,9 +148,11 @@ void state_images(const ImageMarks& table, const AdjustedBundles& model, Triplet
     const auto row = static_cast<Eigen::Index>(6 * i);
     std::vector<Estimate>& exterior = report.images[i].exterior;
     exterior = estimates_of_pose(model.bundles.cam_from_model[i]);
-    add_sigmas(exterior,
-               factor * factor *
-                   covariance_of_estimates(model.bundles.cam_from_model[i], model.covariance.block<6, 6>(row, row)));
+    Eigen::Matrix<double, 6, 6>& covariance = report.images[i].covariance;
+    covariance = factor * factor *
+                 covariance_of_estimates(model.bundles.cam_from_model[i], model.covariance.block<6, 6>(row, row));
+    add_sigmas(exterior, covariance);
+    if (i == 0) covariance.setZero();
     for (Estimate& e : exterior) {
       if (e.unit == "m" && !report.base_is_given) e.unit = "";
       if (i == 0) e = {e.name, e.unit, 0, {}};  // the datum
