@@ -135,7 +135,7 @@ Result<Adjusted> adjusted(const ImageMarks& table, std::set<std::size_t>& reject
     report.variance = {out.found.sigma0, out.found.redundancy, table.sigmas_are_stated, options.adjustment.alpha};
     if (options.adjustment.rejection == PairRejection::kNone || out.found.redundancy <= 1) return out;
     const std::vector<std::size_t> contradicting =
-        contradicting_marks(out.found, out.participants.marks, report.variance.limit() * report.variance.factor());
+        contradicting_marks(out.found, out.participants.marks, report.variance.limit() * report.variance.of_tests());
     if (contradicting.empty()) return out;
     for (const std::size_t k : contradicting) rejected_rows.insert(out.participants.rows[k]);
     images.cam_from_model = out.found.bundles.cam_from_model;
@@ -185,7 +185,7 @@ void state_points(const ImageMarks& table, const Adjusted& adjusted, const Adjus
     TripletReport::Mark row{table.images[mark.image], table.points[mark.point], {}, tests[k] == nullptr};
     if (tests[k]) {
       row.test.misfit = tests[k]->misfit.cwiseProduct(axes);
-      row.test.w = tests[k]->w.cwiseProduct(axes) / factor;
+      row.test.w = tests[k]->w.cwiseProduct(axes) / report.variance.of_tests();
       row.test.redundancy = tests[k]->redundancy;
     } else {
       const auto at =
