@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Figures of the pages on orientation: resection, factorisation."""
+"""Figures of the pages on orientation, frames and what goes in and comes out."""
 import math
 import pathlib
+import random
 
-from drawing import BLUE, GREEN, GREY, INK, RED, Chart, Drawing, View, middle
+from drawing import BLUE, GREEN, GREY, INK, LIGHT, RED, Chart, Drawing, View, middle, steps
 
 THEORY = pathlib.Path(__file__).resolve().parents[2] / "docs" / "theory"
 
@@ -196,4 +197,152 @@ def frames():
     d.dot(view(0, 0, 0), BLUE, 4)
     d.text((view(0, 0, 0)[0] - 10, view(0, 0, 0)[1] - 8), "centre C", BLUE, "end")
     d.text((350, 243), "camera; pixels (u, v) from the upper left corner")
+    return d
+
+
+def matching():
+    """Where a descriptor is accepted beside two of the other image, and a track that holds a contradiction."""
+    d = Drawing(640, 230)
+    one, two = (90.0, 110.0), (215.0, 110.0)
+    for ratio, colour in ((0.9, GREY), (0.8, BLUE), (0.6, GREEN)):
+        # Apollonius' circle: distance from the first below ratio times that from the second.
+        share = ratio**2 / (1 - ratio**2)
+        centre = one[0] - share * (two[0] - one[0])
+        radius = ratio / (1 - ratio**2) * (two[0] - one[0])
+        around = [(centre + radius * math.cos(t / 90 * math.pi), 110 + radius * math.sin(t / 90 * math.pi)) for t in range(181)]
+        inside = [p for p in around if 15 < p[0] and 34 < p[1] < 186]
+        d.line(sorted(inside, key=lambda p: math.atan2(p[1] - 110, p[0] - centre)), colour, 1.5)
+        d.text((262, 50 + 16 * (0.9, 0.8, 0.6).index(ratio)), f"ρ = {ratio:g}", colour, size=11)
+    for at, name in ((one, "nearest b"), (two, "second b")):
+        d.dot(at, INK, 4)
+        d.text((at[0], at[1] - 10), name, anchor="middle")
+    d.text((15, 206), "a is matched to the nearest where it lies to the left")
+    d.text((15, 222), "of the curve: d1 < ρ d2")
+    for k in range(4):
+        d.box(340 + 74 * k, 50, 60, 120, GREY)
+        d.text((370 + 74 * k, 44), f"image {k + 1}", anchor="middle", size=11)
+    tracks = ((((0, 85), (1, 78), (2, 90), (3, 82)), BLUE), (((0, 140), (1, 150), (2, 138)), GREEN))
+    for points, colour in tracks:
+        d.line([(370 + 74 * k, y) for k, y in points], colour, 1.5)
+        for k, y in points:
+            d.dot((370 + 74 * k, y), colour, 4)
+    d.line([(370 + 74 * 2, 90), (370 + 74, 150)], RED, 1.5, "4 3")
+    d.text((340, 196), "tracks; dashed: a wrong match would put")
+    d.text((340, 212), "two features of an image into one")
+    return d
+
+
+def orientation():
+    """Which image comes next: its known points counted by the cells that they occupy."""
+    d = Drawing(640, 235)
+    draw = random.Random(7)
+    sets = (("60 points, a crowd", [(0.55 + 0.33 * draw.random(), 0.1 + 0.3 * draw.random()) for _ in range(60)]),
+            ("30 points, spread", [(draw.random(), draw.random()) for _ in range(30)]))
+    for k, (name, points) in enumerate(sets):
+        left, top, size = 25 + 185 * k, 34, 150
+        occupied = {(int(8 * x), int(8 * y)) for x, y in points}
+        for column, row in occupied:
+            d.box(left + size * column / 8, top + size * row / 8, size / 8, size / 8, LIGHT, BLUE, 0.15, 0.5)
+        for line in range(1, 8):
+            d.line([(left + size * line / 8, top), (left + size * line / 8, top + size)], LIGHT, 0.8)
+            d.line([(left, top + size * line / 8), (left + size, top + size * line / 8)], LIGHT, 0.8)
+        d.box(left, top, size, size)
+        for x, y in points:
+            d.dot((left + size * x, top + size * y), BLUE, 2)
+        d.text((left, 26), name)
+        score = {n: n * len({(int(n * x), int(n * y)) for x, y in points}) for n in (2, 4, 8, 16)}
+        d.text((left, 204), " + ".join(str(v) for v in score.values()), size=11)
+        d.text((left, 222), f"= {sum(score.values())}", RED if sum(score.values()) < 500 else GREEN)
+    d.text((395, 60), "cells that hold a point, on grids")
+    d.text((395, 76), "of 2, 4, 8 and 16 a side, each times")
+    d.text((395, 92), "the cells a side: the image that is")
+    d.text((395, 108), "covered best comes next, not the")
+    d.text((395, 124), "one with most points")
+    return d
+
+
+def real_pairs():
+    """Misfits at control of the film pair 27/28 in plan, from the table of the page."""
+    d = Drawing(640, 300)
+    places, misfits = {}, {}
+    for line in (THEORY.parent / "manual" / "relative.md").read_text().splitlines():
+        cells = line.split()
+        if len(cells) == 5 and cells[0].isdigit() and line.startswith("    "):
+            places[cells[0]] = (float(cells[1]), float(cells[2]))
+    for line in (THEORY / "real_pairs.md").read_text().splitlines():
+        cells = [cell.strip() for cell in line.strip("|").split("|")]
+        if len(cells) == 7 and cells[0] in places and cells[0] not in misfits:
+            misfits[cells[0]] = [float(cell) for cell in cells[1:4]]
+    d.box(25, 15, 250, 250)
+    d.text((25, 285), "film of image 27, its eight control points")
+    for name, (dx, dy, dz) in misfits.items():
+        x, y = places[name]
+        at = (150 + 1.05 * x, 140 - 1.05 * y)
+        # The model lies on the ground turned by 90.2 degrees: east of the ground is -y of the film.
+        d.line([at, (at[0] + 70 * dy, at[1] + 70 * dx)], RED, 1.5, arrow=True)
+        d.dot(at, BLUE)
+        d.text((at[0] + (-6 if dy > 0 else 6), at[1] + 14), name, INK, "end" if dy > 0 else "start", 11)
+    d.line([(300, 250), (370, 250)], RED, 1.5)
+    d.text((300, 268), "1 m in plan", RED)
+    chart = Chart(d, 345, 34, 270, 160, (0.5, len(misfits) + 0.5), (-0.5, 0.5))
+    names = list(misfits)
+    chart.axes(range(1, len(names) + 1), [-0.4, -0.2, 0, 0.2, 0.4], "control point", "dZ, given less computed [m]", lambda k: names[k - 1])
+    for k, name in enumerate(names):
+        dz = misfits[name][2]
+        d.line([chart.at(k + 1, 0), chart.at(k + 1, dz)], BLUE, 7)
+    return d
+
+
+def synthetic():
+    """Profiles of two countries as sums of octaves of noise."""
+    d = Drawing(640, 245)
+    hills = [(130.0, 0.62), (55.0, 0.22), (22.0, 0.07), (8.0, 0.015), (1.7, 0.006)]
+    rocks = [(600.0 / 2**k, 0.48**k) for k in range(10)]
+    for left, title, octaves, length, relief in ((45, "village: octaves of 130 to 1.7 m [m]", hills, 400, 8),
+                                                 (365, "rocks: octaves of 600 to 1.2 m [m]", rocks, 1200, 250)):
+        draw = random.Random(4)
+        waves = [[draw.uniform(-1, 1) for _ in range(int(length / spacing) + 4)] for spacing, _ in octaves]
+
+        def at(x, most):
+            total = 0.0
+            for (spacing, share), wave in list(zip(octaves, waves))[:most]:
+                i, t = int(x / spacing) + 1, x / spacing - int(x / spacing)
+                total += share * (wave[i] + (wave[i + 1] - wave[i]) * t * t * t * (t * (6 * t - 15) + 10))
+            return total
+
+        xs = steps(0, length, 300)
+        profile = [at(x, len(octaves)) for x in xs]
+        low, high = min(profile), max(profile)
+        scale = relief / (high - low)
+        chart = Chart(d, left, 34, 250, 160, (0, length), (-0.35 * relief, 1.1 * relief))
+        chart.axes([0, length / 2, length], [0, relief], "m", title, lambda x: f"{x:g}")
+        for most, colour, width in ((1, GREY, 1), (2, GREEN, 1), (len(octaves), BLUE, 1.6)):
+            chart.curve([(x, scale * (at(x, most) - low)) for x in xs], colour, width)
+    d.text((45, 240), "grey: the first octave, green: two, blue: all", size=11)
+    return d
+
+
+def laz():
+    """What stands in the file, and the layers of a chunk."""
+    d = Drawing(640, 175)
+    parts = ((70, "header"), (90, "records"), (50, "offset"), (95, "chunk 1"), (95, "chunk 2"), (30, "..."), (95, "chunk n"), (75, "table"))
+    left = 20.0
+    spots = {}
+    for width, name in parts:
+        colour = BLUE if name.startswith("chunk") else GREY
+        d.box(left, 30, width, 30, colour, colour, 0.12)
+        d.text((left + width / 2, 50), name, anchor="middle", size=11)
+        spots[name] = left
+        left += width
+    d.line([(spots["offset"] + 25, 62), (spots["offset"] + 25, 74), (spots["table"] + 20, 74), (spots["table"] + 20, 62)], RED, 1.2, arrow=True)
+    inner = ((110, "first point, as it is"), (60, "number"), (110, "lengths of layers"), (35, "x, y"), (40, "z"), (55, "class"), (70, "colour"), (100, "extra bytes"))
+    left = 20.0
+    d.line([(spots["chunk 2"], 60), (20, 100)], BLUE, 0.8, "3 3")
+    d.line([(spots["chunk 2"] + 95, 60), (600, 100)], BLUE, 0.8, "3 3")
+    for width, name in inner:
+        colour = GREEN if name in ("x, y", "z", "class", "colour", "extra bytes") else GREY
+        d.box(left, 100, width, 30, colour, colour, 0.12)
+        d.text((left + width / 2, 120), name, anchor="middle", size=11)
+        left += width
+    d.text((20, 155), "a chunk stands alone: 50,000 points; a layer: one attribute of all of them, coded by itself", size=12)
     return d
