@@ -188,7 +188,9 @@ TEST(Aggregate, EqualsThePlainRecursionAlsoAcrossCells) {
         volume.costs[index_of(x, y) + std::size_t(k)] =
             std::uint8_t(costs[std::size_t((y * width + x) * count + k)] = int(random.below(140)));
   const GreyImage flat(width, height, 1, 100);
-  const auto sums = aggregate(labels, volume, flat, uniform_smoothness(width, height, 8, 60), [] { return false; });
+  Smoothness smoothness{GreyImage(width, height, 1, 8), {}};
+  smoothness.large.fill(60);
+  const auto sums = aggregate(labels, volume, flat, smoothness, [] { return false; });
   const auto truth = plain_sums(costs, width, height, count, 8, 60);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)

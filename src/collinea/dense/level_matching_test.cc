@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "collinea/dense/level_disparities.h"
 #include "collinea/math/random.h"
 
 namespace collinea {
@@ -169,6 +171,75 @@ TEST(LevelMatching, ASpikeOnASlopeGoes) {
     for (int x = 0; x < 20; ++x) points.push_back({{6.0 * x, 6.0 * y}, 2.4 * x, 0, 1, 0.1, {0.4, 0}});
   points[10 * 20 + 10].disparity_px += 2.6;
   EXPECT_EQ(without_spikes(points).size(), points.size() - 1);
+}
+
+// Karfis W13: the filter by mean and standard deviation in a circle keeps a third of wrong points, since these make the
+// standard deviation. Here they all go: a wrong point has some five wrong ones among its 16 neighbours, each of which
+// bears it out with a chance of 2 (0.5 + 0.1 * 20 px) / 40 px = 0.12 where its sign is the same, 0.06 in all, and four
+// would have to: 5 * 0.06^4, 1e-4 a point.
+TEST(LevelMatching, AThirdOfClusteredErrorsGoesInKarfisW13) {
+  Random random(13);
+  std::vector<LevelPoint> points;
+  std::vector<bool> wrong;
+  double sum = 0, squares = 0, largest = 0;
+  int count = 0;
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 30; ++x) {
+      const bool in_circle = std::hypot(x - 14.5, y - 14.5) < 6;
+      wrong.push_back(in_circle && (x + y) % 3 == 0);
+      const double error = wrong.back() ? random.uniform(20, 40) * (random.uniform() < 0.5 ? -1 : 1) : 0;
+      points.push_back({{10.0 * x, 10.0 * y}, 40 + error + 0.2 * random.normal(), 0, 1, 0.1});
+      if (!in_circle) continue;
+      ++count, sum += points.back().disparity_px - 40, squares += std::pow(points.back().disparity_px - 40, 2);
+      largest = std::max(largest, std::abs(error));
+    }
+  const double mean = sum / count, deviation = std::sqrt(squares / count - mean * mean);
+  EXPECT_LT(largest + std::abs(mean), 3 * deviation);  // his limit: nothing goes
+  const auto kept = without_spikes(points);
+  // An error within half a pixel and a tenth of a distance of 10 to 30 px is none that neighbours could deny.
+  for (const LevelPoint& point : kept) EXPECT_LT(std::abs(point.disparity_px - 40), 3.5);
+  EXPECT_GE(kept.size(), std::size_t(std::count(wrong.begin(), wrong.end(), false)));  // every right one stays
+}
+
+LevelOptions of_one_threshold(int levels) {
+  LevelOptions options;
+  options.levels = levels;
+  options.first_threshold = options.last_threshold = 500;
+  return options;
+}
+
+// Karfis W13: the same interest points with a denser guide (his levels 4 and 5, 4414 points both) are no more points.
+// The interval shrinks, and what was in it is in it still: the same points but for some at the border, below 1 %.
+TEST(LevelMatching, TheSamePointsWithADenserGuideAreNotMoreInKarfisW13) {
+  const Pair pair(2);
+  const auto surface = match_by_levels(pair.left, pair.right, pair.guide, kExact, of_one_threshold(2), {});
+  ASSERT_TRUE(surface) << surface.error().message;
+  const LevelCount &first = surface->levels[0], &second = surface->levels[1];
+  ASSERT_GT(first.matched, 20 * pair.guide.size());
+  EXPECT_EQ(second.interest, first.interest);
+  EXPECT_LT(second.median_interval_px, 0.5 * first.median_interval_px);  // guide: 90 px apart, then some 10
+  EXPECT_NEAR(double(second.matched), double(first.matched), 0.01 * double(first.matched));
+}
+
+// Karfis W13: the guide are the points of the relative orientation (way 1), or interest points looked for along the
+// whole epipolar line (way 2), some of which are wrong. A wrong guide asks for longer intervals; the homologous points
+// lie within them, so that both ways end at one surface: the same share of points, as good.
+TEST(LevelMatching, BothWaysOfTheGuideEndAtOneSurfaceInKarfisW13) {
+  const Pair pair(2);
+  const auto by_points = match_by_levels(pair.left, pair.right, pair.guide, kExact, of_one_threshold(2), {});
+  const auto along_lines =
+      match_rectified_by_levels(pair.left, pair.right, {0, 120}, of_one_threshold(2), {});  // 35 to 60 px are true
+  std::vector<LevelPoint> wrong = pair.guide;
+  for (std::size_t i = 2; i < wrong.size(); i += 5) wrong[i].disparity_px += i % 2 ? 25 : -25;
+  const auto by_wrong = match_by_levels(pair.left, pair.right, wrong, kExact, of_one_threshold(2), {});
+  ASSERT_TRUE(by_points && along_lines && by_wrong);
+  EXPECT_GT(by_wrong->levels[0].median_interval_px, 1.2 * by_points->levels[0].median_interval_px);
+  for (const LevelSurface* each : {&*by_points, &along_lines->surface, &*by_wrong}) {
+    EXPECT_NEAR(double(each->points.size()), double(by_points->points.size()), 0.02 * double(by_points->points.size()));
+    const Errors errors(each->points), expected(by_points->points);
+    EXPECT_LT(errors.gross, 0.01);
+    EXPECT_NEAR(errors.rms_px, expected.rms_px, 0.02 * expected.rms_px);  // most points are the same
+  }
 }
 
 TEST(LevelMatching, RefusesWhatCannotGuide) {

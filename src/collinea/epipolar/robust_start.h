@@ -92,17 +92,11 @@ class StartSearch {
   static constexpr double kNoLimit = std::numeric_limits<double>::infinity();
   static constexpr int kBlock = 64;  // errors between two looks at whether a model can still be the best
 
-  [[nodiscard]] static double combinations(double n) {
-    double all = 1;
-    for (int k = 0; k < kSample; ++k) all *= (n - k) / (k + 1);
-    return all;
-  }
-
   template <class Visit>
   void for_each_sample(Visit&& visit) {
     const double needed = 3 * std::ceil(std::log(1e-4) / std::log1p(-std::pow(0.5, kSample)));
     std::array<int, kSample> sample;
-    if (combinations(size_) <= needed) {
+    if (samples_possible(size_, kSample) <= needed) {
       const auto extend = [&](auto&& self, int depth, int from) -> void {
         if (depth == kSample) return visit(sample);
         for (int i = from; i < size_; ++i) {

@@ -139,7 +139,8 @@ FactorisationReport::Euclidean euclidean_of(const AdjustedBundles& found, const 
   }
   const Vector2d axes(1, report.y_up ? -1 : 1);
   for (const BundleMarkTest& mark : found.marks)
-    out.marks.push_back({mark.misfit.cwiseProduct(axes), mark.redundancy, mark.w.cwiseProduct(axes) / factor});
+    out.marks.push_back(
+        {mark.misfit.cwiseProduct(axes), mark.redundancy, mark.w.cwiseProduct(axes) / out.variance.of_tests()});
   return out;
 }
 

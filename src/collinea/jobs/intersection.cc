@@ -84,7 +84,7 @@ void settle(IntersectionReport& report) {
     if (!point.is_found) continue;
     point.covariance *= factor * factor;
     point.sigma = point.covariance.diagonal().cwiseSqrt();
-    for (IntersectionReport::Ray& ray : point.rays) ray.w /= factor;
+    for (IntersectionReport::Ray& ray : point.rays) ray.w /= report.variance.of_tests();
   }
 }
 

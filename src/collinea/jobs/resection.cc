@@ -147,7 +147,7 @@ Result<SpaceResection> fitted(ResectionTables& tables, const PhotoFrame& frame, 
     std::size_t worst = 0;
     for (std::size_t k = 0; k < found.marks.size(); ++k)
       if (found.marks[k].w.cwiseAbs().maxCoeff() > found.marks[worst].w.cwiseAbs().maxCoeff()) worst = k;
-    if (!(found.marks[worst].w.cwiseAbs().maxCoeff() / variance.factor() > variance.limit())) return found;
+    if (!(found.marks[worst].w.cwiseAbs().maxCoeff() / variance.of_tests() > variance.limit())) return found;
     ResectionTables without = tables;
     without.marks[problem.rows[worst]].is_rejected = true;
     const Problem smaller = problem_of(without, frame);
@@ -210,7 +210,7 @@ Result<ResectionReport> by_collinearity(ResectionTables& tables, const ResectOne
     if (tests[i]) {
       row.misfit = in_table(frame, tests[i]->misfit);
       row.redundancy = tests[i]->redundancy;
-      row.w = in_table(frame, tests[i]->w) / factor;
+      row.w = in_table(frame, tests[i]->w) / report.variance.of_tests();
     } else if (tables.is_known(mark)) {
       const auto seen =
           project(frame.camera, found.cam_from_world[tables.image_of(mark)] * tables.ground.find(mark.point)->position);

@@ -136,7 +136,7 @@ Result<Adjusted> adjusted(const ImageMarks& table, std::set<std::size_t>& reject
     report.variance = {out.found.sigma0, out.found.redundancy, table.sigmas_are_stated, options.adjustment.alpha};
     if (options.adjustment.rejection == PairRejection::kNone || out.found.redundancy <= 1) return out;
     const std::vector<std::size_t> contradicting =
-        contradicting_marks(out.found, out.participants.marks, report.variance.limit() * report.variance.factor());
+        contradicting_marks(out.found, out.participants.marks, report.variance.limit() * report.variance.of_tests());
     if (contradicting.empty()) return out;
     for (const std::size_t k : contradicting) rejected_rows.insert(out.participants.rows[k]);
     images.cam_from_model = out.found.bundles.cam_from_model;
@@ -149,9 +149,11 @@ void state_images(const ImageMarks& table, const AdjustedBundles& model, Triplet
     const auto row = static_cast<Eigen::Index>(6 * i);
     std::vector<Estimate>& exterior = report.images[i].exterior;
     exterior = estimates_of_pose(model.bundles.cam_from_model[i]);
-    add_sigmas(exterior,
-               factor * factor *
-                   covariance_of_estimates(model.bundles.cam_from_model[i], model.covariance.block<6, 6>(row, row)));
+    Eigen::Matrix<double, 6, 6>& covariance = report.images[i].covariance;
+    covariance = factor * factor *
+                 covariance_of_estimates(model.bundles.cam_from_model[i], model.covariance.block<6, 6>(row, row));
+    add_sigmas(exterior, covariance);
+    if (i == 0) covariance.setZero();
     for (Estimate& e : exterior) {
       if (e.unit == "m" && !report.base_is_given) e.unit = "";
       if (i == 0) e = {e.name, e.unit, 0, {}};  // the datum
@@ -184,7 +186,7 @@ void state_points(const ImageMarks& table, const Adjusted& adjusted, const Adjus
     TripletReport::Mark row{table.images[mark.image], table.points[mark.point], {}, tests[k] == nullptr};
     if (tests[k]) {
       row.test.misfit = tests[k]->misfit.cwiseProduct(axes);
-      row.test.w = tests[k]->w.cwiseProduct(axes) / factor;
+      row.test.w = tests[k]->w.cwiseProduct(axes) / report.variance.of_tests();
       row.test.redundancy = tests[k]->redundancy;
     } else {
       const auto at =

@@ -24,6 +24,7 @@ using Eigen::Matrix2d;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kLeastEigenvalue = 1e-12;
+constexpr double kAtRest = 1e-5;  // step in standard deviations by which nothing changes
 
 // A mark linearised and divided by its sigma.
 struct Linear {
@@ -107,6 +108,8 @@ class Adjustment {
     for (iterations_ = 1; iterations_ <= 50; ++iterations_) {
       if (!reduce(damping)) return open();
       const VectorXd step = inverse_ * right_;
+      // Undamped it is the squared length of the step in standard deviations: beyond this the cost is rounding alone.
+      const bool is_at_rest = damping == 0 && step.dot(right_) < kAtRest * kAtRest;
       const std::vector<Rigid3> poses = poses_;
       const std::vector<Vector3d> all_points = points_;
       move(step);
@@ -114,6 +117,7 @@ class Adjustment {
       if (!(after <= cost * (1 + 1e-12) + 1e-20)) {
         poses_ = poses;
         points_ = all_points;
+        if (is_at_rest) return result(cost);
         damping = damping > 0 ? damping * 10 : 1e-4;
         if (damping > 1e8) break;
         continue;

@@ -144,7 +144,8 @@ std::string rejected_text(const RelativeReport& report, std::size_t most) {
   std::stable_sort(rejected.begin(), rejected.end(), [&](std::size_t a, std::size_t b) {
     return std::abs(test_of(report, a)) > std::abs(test_of(report, b));
   });
-  std::string text = residual_head(report, "residuals of rejected points");
+  std::string text = residual_head(
+      report, "residuals of rejected points, with the tests of the end (each was the largest in its turn)");
   for (std::size_t k = 0; k < std::min(most, rejected.size()); ++k) text += residual_row(report, rejected[k]);
   if (rejected.size() > most) text += fmt::format("  and {} more\n", rejected.size() - most);
   return text;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "collinea/io/text.h"
 #include "collinea/report/findings_text.h"
@@ -37,10 +38,25 @@ TextTable marks_table(const ResectionReport& report) {
   return table;
 }
 
+// With correlations where all of them are known: without them points intersected by the table would seem far worse.
+std::optional<TextTable> correlated_orientation_table(const ResectionReport& report) {
+  std::vector<std::string> images;
+  std::vector<std::vector<Estimate>> exterior;
+  std::vector<Eigen::Matrix<double, 6, 6>> covariances;
+  for (const ResectionReport::Image& image : report.images) {
+    if (image.exterior.size() != 6 || image.covariance.rows() != 6) return std::nullopt;
+    images.push_back(image.name);
+    exterior.push_back(image.exterior);
+    covariances.emplace_back(image.covariance);
+  }
+  return exterior_table(images, exterior, covariances);
+}
+
 TextTable orientation_table(const ResectionReport& report) {
   TextTable table;
   table.columns = {{"image", ""}};
   if (report.images.empty()) return table;
+  if (std::optional<TextTable> correlated = correlated_orientation_table(report)) return *std::move(correlated);
   for (const Estimate& e : report.images[0].exterior) table.columns.push_back({e.name, e.unit});
   for (const Estimate& e : report.images[0].exterior) table.columns.push_back({"sigma_" + e.name, e.unit});
   for (const ResectionReport::Image& image : report.images) {

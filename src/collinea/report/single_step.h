@@ -58,7 +58,10 @@ struct VarianceTest {
 
   /// By what stated standard deviations are multiplied: 1 where they stand for themselves.
   [[nodiscard]] double factor() const { return sigmas_are_stated || redundancy <= 0 ? 1 : sigma0; }
-  /// Of the test w of one measurement, made with the standard deviations times factor(): normal, or tau.
+  /// By what tests are divided: factor(), or 1 where residuals are those of rounding (below a millionth of the assumed
+  /// standard deviations): nothing of them is tested then.
+  [[nodiscard]] double of_tests() const { return factor() < 1e-6 ? 1 : factor(); }
+  /// Of the test w of one measurement, divided by of_tests(): normal, or tau.
   [[nodiscard]] double limit() const;
 
   /// Level of the test of sigma0 as a whole, each way.

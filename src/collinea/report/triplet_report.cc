@@ -126,12 +126,14 @@ std::string triplet_text(const TripletReport& report) {
 std::vector<NamedTable> triplet_tables(const TripletReport& report) {
   std::vector<std::string> names;
   std::vector<std::vector<Estimate>> exterior;
+  std::vector<Eigen::Matrix<double, 6, 6>> covariances;
   for (const TripletReport::Image& image : report.images) {
     names.push_back(image.name);
     exterior.push_back(image.exterior);
+    covariances.push_back(image.covariance);
   }
   return {{"combinations.txt", combinations_table(report)},
-          {"exterior.txt", exterior_table(names, exterior)},
+          {"exterior.txt", exterior_table(names, exterior, covariances)},
           {"model.txt", model_table(report)},
           {"residuals.txt", residual_table(report)}};
 }

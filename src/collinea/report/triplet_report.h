@@ -27,6 +27,8 @@ struct TripletReport {
   struct Image {
     std::string name;
     std::vector<Estimate> exterior;  ///< X, Y, Z, omega, phi, kappa in the model
+    /// Of these, in their units; of the first image 0.
+    Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   };
   struct Point {
     std::string name;

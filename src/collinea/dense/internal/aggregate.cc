@@ -196,12 +196,6 @@ Smoothness smoothness_for(const GreyImage& image) {
   return s;
 }
 
-Smoothness uniform_smoothness(int width, int height, int small, int large) {
-  Smoothness s{GreyImage(width, height, 1, std::uint8_t(small)), {}};
-  s.large.fill(std::uint16_t(large));
-  return s;
-}
-
 std::size_t bytes_to_match(const Labels& labels, const CellRange& range) {
   std::size_t elements = 0;
   for (int row = range.row0; row < range.row1; ++row)

@@ -23,8 +23,6 @@ struct Smoothness {
 [[nodiscard]] Smoothness smoothness_for(const GreyImage& image);
 /// Smoothness::small for texture_around().
 [[nodiscard]] std::array<std::uint8_t, 256> small_for_textures();
-/// The same everywhere on an image of this size.
-[[nodiscard]] Smoothness uniform_smoothness(int width, int height, int small, int large);
 
 /// The matching costs of a rectangle of cells; cell offsets as in `offsets`, by rows of the rectangle.
 struct Volume {

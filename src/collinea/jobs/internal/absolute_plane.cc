@@ -48,7 +48,7 @@ std::optional<PlaneSimilarityFit> fitted(AbsoluteTables& control, const OrientAb
     std::size_t worst = 0;
     for (std::size_t k = 0; k < fit->w.size(); ++k)
       if (fit->w[k].cwiseAbs().maxCoeff() > fit->w[worst].cwiseAbs().maxCoeff()) worst = k;
-    if (!(fit->w[worst].cwiseAbs().maxCoeff() / variance.factor() > variance.limit())) return fit;
+    if (!(fit->w[worst].cwiseAbs().maxCoeff() / variance.of_tests() > variance.limit())) return fit;
     control.fit.is_rejected[all.indices[worst]] = true;
     if (!fit_plane_similarity(pairs_of(control).pairs)) {
       control.fit.is_rejected[all.indices[worst]] = false;
@@ -89,7 +89,7 @@ void add_points(const AbsoluteTables& control, const PlaneSimilarityFit& fit, co
     if (next < used.indices.size() && used.indices[next] == k) {
       point.sigma = factor * lifted(fit.sigmas[next]);
       point.redundancy = lifted(fit.redundancies[next]);
-      point.w = lifted(fit.w[next]) / factor;
+      point.w = lifted(fit.w[next]) / report.variance.of_tests();
       ++next;
     }
     report.points.push_back(std::move(point));

@@ -71,7 +71,7 @@ Result<AbsoluteOrientation> fitted_with_rejection(ControlFit& control, bool reje
     std::size_t worst = 0;
     double largest = 0;
     for (std::size_t k = 0; k < used.size(); ++k)
-      if (const double w = found.residuals[k].w.cwiseAbs().maxCoeff() / variance.factor(); w > largest) {
+      if (const double w = found.residuals[k].w.cwiseAbs().maxCoeff() / variance.of_tests(); w > largest) {
         largest = w;
         worst = used[k];
       }
@@ -109,7 +109,7 @@ AbsoluteReport control_report(const ControlFit& control, const AbsoluteOrientati
       point.misfit = residual.misfit;
       point.sigma = factor * residual.sigma;
       point.redundancy = residual.redundancy;
-      point.w = residual.w / factor;
+      point.w = residual.w / variance.of_tests();
     }
     if (!point.is_check && !point.is_rejected)
       ++(pair.is_full() ? report.full : pair.has_plan ? report.plan : report.height);

@@ -45,6 +45,7 @@ Result<PointSource> points_of(const MappedCloud& cloud) {
                       map_from_file = cloud.map_from_file](std::vector<SurfacePoint>& batch) mutable -> Result<> {
     batch.clear();
     COLLINEA_TRY(const std::vector<CloudPoint> points, reader->read(kBatch));
+    if (points.empty()) return {};  // the end
     std::vector<float> of_matching(points.size());
     COLLINEA_TRY(const std::string bytes, sigmas->read(at, points.size() * sizeof(float)));
     std::memcpy(of_matching.data(), bytes.data(), bytes.size());

@@ -66,7 +66,7 @@ std::optional<LinearPose> fitted(ResectionTables& tables, const Camera& camera, 
     std::size_t worst = 0;
     for (std::size_t k = 0; k < pose->w.size(); ++k)
       if (pose->w[k].cwiseAbs().maxCoeff() > pose->w[worst].cwiseAbs().maxCoeff()) worst = k;
-    if (!(pose->w[worst].cwiseAbs().maxCoeff() / variance.factor() > variance.limit())) return pose;
+    if (!(pose->w[worst].cwiseAbs().maxCoeff() / variance.of_tests() > variance.limit())) return pose;
     ResectionRow& mark = tables.marks[points.rows[worst]];
     mark.is_rejected = true;
     if (!linear_pose(points_of(tables, camera).points)) {
@@ -88,7 +88,7 @@ void add_marks(const ResectionTables& tables, const PhotoFrame& frame, const Lin
       COLLINEA_CHECK(points.rows[next] == i);
       row.misfit = in_table(frame, frame.camera.focal_px() * pose.misfits[next]);
       row.redundancy = pose.redundancies[next];
-      row.w = in_table(frame, pose.w[next]) / report.variance.factor();
+      row.w = in_table(frame, pose.w[next]) / report.variance.of_tests();
       ++next;
     } else if (const auto seen =
                    project(frame.camera, pose.cam_from_world * tables.ground.find(mark.point)->position)) {

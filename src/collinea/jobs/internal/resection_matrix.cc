@@ -238,7 +238,7 @@ std::optional<ProjectionFit> fitted(ResectionTables& tables, const PhotoFrame& f
     std::size_t worst = 0;
     for (std::size_t k = 0; k < fit->w.size(); ++k)
       if (fit->w[k].cwiseAbs().maxCoeff() > fit->w[worst].cwiseAbs().maxCoeff()) worst = k;
-    if (!(fit->w[worst].cwiseAbs().maxCoeff() / variance.factor() > variance.limit())) return fit;
+    if (!(fit->w[worst].cwiseAbs().maxCoeff() / variance.of_tests() > variance.limit())) return fit;
     ResectionRow& mark = tables.marks[points.rows[worst]];
     mark.is_rejected = true;
     if (!fit_of(points_of(tables, frame, is_plane), is_plane)) {
@@ -258,7 +258,6 @@ std::optional<Vector2d> computed(const ProjectionFit& fit, const Vector3d& point
 
 void add_marks(const ResectionTables& tables, const PhotoFrame& frame, const ProjectionFit& fit, const Points& points,
                ResectionReport& report) {
-  const double factor = report.variance.factor();
   std::size_t next = 0;
   for (std::size_t i = 0; i < tables.marks.size(); ++i) {
     const ResectionRow& mark = tables.marks[i];
@@ -267,7 +266,7 @@ void add_marks(const ResectionTables& tables, const PhotoFrame& frame, const Pro
     if (is_used) {
       row.misfit = in_table(frame, fit.misfits[next]);
       row.redundancy = fit.redundancies[next];
-      row.w = in_table(frame, fit.w[next]) / factor;
+      row.w = in_table(frame, fit.w[next]) / report.variance.of_tests();
       ++next;
     } else if (!mark.is_rejected) {
       continue;  // not known on the ground

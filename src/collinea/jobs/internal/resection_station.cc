@@ -56,7 +56,7 @@ std::optional<PlanarResection> fitted(ResectionTables& tables, const ResectOneOp
     const VarianceTest variance{found->sigma0, found->redundancy, tables.sigmas_are_stated, options.alpha};
     const auto worst = std::max_element(found->w.begin(), found->w.end(),
                                         [](double a, double b) { return std::abs(a) < std::abs(b); });
-    if (!(std::abs(*worst) / variance.factor() > variance.limit())) return found;
+    if (!(std::abs(*worst) / variance.of_tests() > variance.limit())) return found;
     ResectionRow& mark = tables.marks[all.rows[static_cast<std::size_t>(worst - found->w.begin())]];
     mark.is_rejected = true;
     if (!planar_resection(directions_of(tables).directions)) {
@@ -76,7 +76,7 @@ void add_marks(const ResectionTables& tables, const PlanarResection& found, Rese
     if (next < all.rows.size() && all.rows[next] == i) {
       report.marks.push_back({mark.image, mark.point, Vector2d(kMgon * found.misfits_rad[next], 0),
                               Vector2d(found.redundancies[next], 0),
-                              Vector2d(found.w[next] / report.variance.factor(), 0)});
+                              Vector2d(found.w[next] / report.variance.of_tests(), 0)});
       ++next;
     } else if (mark.is_rejected) {
       const Vector2d to = tables.ground.find(mark.point)->position.head<2>() - found.station;
