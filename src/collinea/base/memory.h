@@ -5,8 +5,9 @@
 
 namespace collinea {
 
-/// Of the machine [bytes]; 0 where that cannot be known.
-[[nodiscard]] std::uint64_t physical_memory();
+/// Memory that this process may have [bytes]: the least of the machine's, the limit of address space (ulimit -v)
+/// and that of its control group; 0 where none can be known.
+[[nodiscard]] std::uint64_t usable_memory();
 
 /// To be called before anything else: rasters and images, which come and go by hundreds of kilobytes, go back to the
 /// system as soon as they are freed. By default the C library learns from the first that goes to keep the like of it in

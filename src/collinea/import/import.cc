@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <tuple>
 
 #include "collinea/base/file.h"
 #include "collinea/base/hash.h"
+#include "collinea/base/memory.h"
 #include "collinea/base/units.h"
 #include "collinea/import/internal/import_camera.h"
 #include "collinea/import/internal/import_control.h"
@@ -105,6 +107,18 @@ Result<std::vector<ImageFile>> read_headers(const fs::path& folder, const std::v
   return photos;
 }
 
+// A small file may unpack to more pixels than the machine can hold: then the others are to go on without it.
+std::optional<Error> beyond_memory(const ImageHeader& header) {
+  constexpr double kBytesOfPixel = 26;  // while key points are detected, measured on images of 115 megapixels
+  const double pixels = double(header.width_px) * header.height_px, need = kBytesOfPixel * pixels;
+  const auto have = double(usable_memory());
+  if (have <= 0 || need <= have) return std::nullopt;
+  return Error{
+      Errc::kBadInput,
+      fmt::format("has {:.0f} megapixels ({} x {}): its key points take some {:.0f} GB of memory, and there are {:.0f}",
+                  pixels / 1e6, header.width_px, header.height_px, need / 1e9, have / 1e9)};
+}
+
 class Importer {
  public:
   Importer(const fs::path& folder, const ImportOptions& options, CameraModel model,
@@ -119,6 +133,7 @@ class Importer {
     const Subject file = Subject::file(source.file);
     if (std::min(source.header->width_px, source.header->height_px) < kSmallest_px)
       return skip(finding_of(FindingCode::kImageTooSmall, {file}, {{FigureName::kLimit, kSmallest_px}}));
+    if (const auto error = beyond_memory(*source.header)) return skip_unreadable(source, *error);
     const auto [same, is_new] = file_of_hash_.emplace(*source.hash, source.file);
     if (!is_new) return skip(finding_of(FindingCode::kImageDuplicate, {file, Subject::file(same->second)}));
     ImageHeader header = *source.header;

@@ -130,7 +130,7 @@ Result<PairShrinks> shrinks_of(const PairFiles& pair, const PairChainOptions& op
   const double reduction = double(shrinks.surface) * shrinks.surface;
   const double need =
       peak_bytes(pixels / reduction, options.surface) + (area_px ? kReadBytes * pair.pixels() / reduction : 0);
-  if (const double have = double(physical_memory()); have > 0 && need > have)
+  if (const double have = double(usable_memory()); have > 0 && need > have)
     return fail(Errc::kBadInput,
                 fmt::format("at this resolution the pair takes some {:.1f} GB of memory; the machine has {:.1f}",
                             need / 1e9, have / 1e9),
