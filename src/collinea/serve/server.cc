@@ -179,8 +179,8 @@ bool wants_events(const http::request<http::string_body>& message) {
   return websocket::is_upgrade(message) && target.substr(0, target.find('?')) == kEventsPath;
 }
 
-net::awaitable<void> serve_connection(tcp::socket accepted, std::shared_ptr<Shared> shared) {
-  const Seat seat(shared);
+net::awaitable<void> serve_connection(tcp::socket accepted, std::shared_ptr<Shared> shared,
+                                      [[maybe_unused]] std::shared_ptr<const Seat> seat) {
   const ServerLimits& limits = shared->limits;
   beast::tcp_stream stream(std::move(accepted));
   beast::flat_buffer buffer(static_cast<std::size_t>(limits.header_bytes) + limits.body_bytes);
@@ -231,7 +231,7 @@ net::awaitable<void> accept_all(net::io_context& context, tcp::acceptor& accepto
       continue;
     }
     if (shared->connections >= shared->limits.connections) continue;  // closed by its end
-    net::co_spawn(strand, serve_connection(std::move(socket), shared), net::detached);
+    net::co_spawn(strand, serve_connection(std::move(socket), shared, std::make_shared<const Seat>(shared)), net::detached);
   }
 }
 
