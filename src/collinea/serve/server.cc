@@ -29,6 +29,8 @@ using net::ip::tcp;
 constexpr int kIoThreads = 4;                             // one may wait for a disk or the database
 constexpr std::chrono::milliseconds kEventInterval(100);  // between looks at what changed
 constexpr std::size_t kChunkBytes = 256 * 1024;           // of a file in memory
+constexpr std::chrono::seconds kLinger(2);                // at the end of a connection
+constexpr std::size_t kMostUnread = 1024 * 1024;
 
 /// What all connections of a server share.
 struct Shared {
@@ -179,6 +181,16 @@ bool wants_events(const http::request<http::string_body>& message) {
   return websocket::is_upgrade(message) && target.substr(0, target.find('?')) == kEventsPath;
 }
 
+/// Reads on for a moment what was under way: a connection closed over unread bytes takes the last answer with it.
+net::awaitable<void> close_gently(beast::tcp_stream& stream) {
+  error_code error;
+  stream.socket().shutdown(tcp::socket::shutdown_send, error);
+  std::vector<char> bytes(16 * 1024);
+  stream.expires_after(kLinger);
+  for (std::size_t total = 0; !error && total < kMostUnread;)
+    total += co_await stream.async_read_some(net::buffer(bytes), completion(error));
+}
+
 net::awaitable<void> serve_connection(tcp::socket accepted, std::shared_ptr<Shared> shared,
                                       [[maybe_unused]] std::shared_ptr<const Seat> seat) {
   const ServerLimits& limits = shared->limits;
@@ -215,8 +227,7 @@ net::awaitable<void> serve_connection(tcp::socket accepted, std::shared_ptr<Shar
     const bool sent = co_await send(stream, response, limits, version, keep_alive, head_only);
     if (!sent || !keep_alive) break;
   }
-  error_code ignored;
-  stream.socket().shutdown(tcp::socket::shutdown_send, ignored);
+  co_await close_gently(stream);
 }
 
 net::awaitable<void> accept_all(net::io_context& context, tcp::acceptor& acceptor, std::shared_ptr<Shared> shared) {
@@ -231,7 +242,8 @@ net::awaitable<void> accept_all(net::io_context& context, tcp::acceptor& accepto
       continue;
     }
     if (shared->connections >= shared->limits.connections) continue;  // closed by its end
-    net::co_spawn(strand, serve_connection(std::move(socket), shared, std::make_shared<const Seat>(shared)), net::detached);
+    net::co_spawn(strand, serve_connection(std::move(socket), shared, std::make_shared<const Seat>(shared)),
+                  net::detached);
   }
 }
 

@@ -37,7 +37,7 @@ TEST_F(StepJob, AStepIsDoneWithOptionsAndShown) {
   for (const json& step : shown.at("steps")) {
     const bool done = step.at("name") == "import" || step.at("name") == "detect";
     EXPECT_EQ(step.at("done"), done) << step;
-    if (done) EXPECT_FALSE(step.at("summary").get<std::string>().empty());
+    EXPECT_EQ(step.contains("summary"), done) << step;
   }
 
   // Who works on the project keeps others out; what is asked wrongly changes nothing.
