@@ -107,14 +107,15 @@ OpenFile::~OpenFile() { ::close(descriptor_); }
 
 std::vector<ProjectFile> files_of(const fs::path& folder) {
   std::vector<ProjectFile> files;
+  std::error_code error;
+  const fs::path root = fs::canonical(folder, error);
   for (const std::string_view top : kFolders) {
-    std::error_code error;
-    for (fs::recursive_directory_iterator entry(folder / top, error), end; !error && entry != end;
+    for (fs::recursive_directory_iterator entry(root / top, error), end; !error && entry != end;
          entry.increment(error)) {
-      std::error_code ignored;
-      const auto bytes = entry->file_size(ignored);
-      if (!ignored && entry->is_regular_file(ignored) && !ignored)
-        files.push_back({entry->path().lexically_relative(folder).generic_string(), bytes});
+      std::error_code gone;
+      const bool is_file = entry->is_regular_file(gone) && is_beneath(fs::canonical(entry->path(), gone), root);
+      const auto bytes = is_file ? entry->file_size(gone) : 0;
+      if (is_file && !gone) files.push_back({entry->path().lexically_relative(root).generic_string(), bytes});
     }
   }
   std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) { return a.path < b.path; });

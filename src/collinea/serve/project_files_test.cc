@@ -110,6 +110,8 @@ TEST(ProjectFiles, TheTagChangesWithTheFile) {
 TEST(ProjectFiles, WhatIsListedOpens) {
   const TestFolder folder;
   const fs::path project = make_project(folder / "p");
+  fs::create_symlink("/etc/passwd", project / "products" / "outside");
+  fs::create_directory_symlink("/etc", project / "report");
   const auto files = files_of(project);
   ASSERT_EQ(files.size(), 2u);
   EXPECT_EQ(files[0].path, "products/dsm.tif");

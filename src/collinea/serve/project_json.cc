@@ -2,6 +2,7 @@
 #include "collinea/serve/project_json.h"
 
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "collinea/jobs/info.h"
 #include "collinea/project/json_text.h"
@@ -45,6 +46,13 @@ Result<ProjectInfo> info_of(const std::filesystem::path& folder) {
   if (store) return project_info(*store);
   if (store.error().code == Errc::kNotFound) return ProjectInfo{};
   return tl::unexpected(store.error());
+}
+
+// Writing JSON as text calls itself for every level.
+bool bounded_depth(int depth, json::parse_event_t, json&) {
+  constexpr int kDeepest = 8;
+  if (depth > kDeepest) throw std::invalid_argument("it is nested too deep");
+  return true;
 }
 
 json status_json(const JobStatus& status) {
@@ -108,7 +116,7 @@ std::string job_json(std::uint64_t id) { return text_of({{"job", id}}); }
 
 Result<JobRequest> job_request_in(std::string_view body) {
   try {
-    const json asked = json::parse(body);
+    const json asked = json::parse(body, bounded_depth);
     JobRequest request;
     COLLINEA_TRY(request.step, step_named(asked.at("step").get<std::string>()));
     if (asked.contains("options")) request.options = text_of(asked.at("options"));

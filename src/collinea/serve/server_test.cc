@@ -215,6 +215,8 @@ TEST_F(ServerTest, JobsAreAskedForAsJson) {
                             R"({"step": "detect", "options": {"nothing": {}}})",
                             R"({"step": "detect", "options": {"verify": {"max_error_px": -1}}})"})
     EXPECT_EQ(post(jobs, wrong).status, 400) << wrong;
+  const std::string deep = R"({"step": "detect", "options": )" + std::string(30'000, '[') + std::string(30'000, ']');
+  EXPECT_EQ(post(jobs, deep + "}").status, 400);
   EXPECT_EQ(post(jobs, R"({"step": "detect"})", "text/plain").status, 415);  // as a form of another site could
   EXPECT_EQ(post("/api/jobs/77/stop", "{}").status, 404);
   EXPECT_EQ(post("/api/jobs/x/stop", "{}").status, 404);
