@@ -18,7 +18,7 @@ END = "<!-- options: end -->"
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 # "  --max-error-px FLOAT=2.5    largest distance [px]"; the help may stand alone on the next line.
 OPTION = re.compile(r"^  (?P<names>-\S+)(?: (?P<type>[A-Z]+)(?:=(?P<default>\S+))?)?(?P<required> REQUIRED)?(?:\s+(?P<help>.*))?$")
-POSITIONAL = re.compile(r"^  (?P<names>[a-z]+) (?P<type>[A-Z]+)(?P<required> REQUIRED)?(?:\s+(?P<help>.*))?$")
+POSITIONAL = re.compile(r"^  (?P<names>[a-z]+) (?P<type>[A-Z]+)(?: \.\.\.)?(?P<required> REQUIRED)?(?:\s+(?P<help>.*))?$")
 
 
 def help_of(program, command):

@@ -128,6 +128,10 @@ void Flags::positional(std::string_view name, std::string& value, std::string_vi
   app_.add_option(std::string(name), value, std::string(help))->required(required);
 }
 
+void Flags::positional(std::string_view name, std::vector<std::string>& values, std::string_view help) {
+  app_.add_option(std::string(name), values, std::string(help));
+}
+
 void Flags::required(std::string_view short_form, std::string_view name, std::string& value, std::string_view help) {
   app_.add_option(std::string(short_form) + "," + new_flag(name), value, std::string(help))->required();
 }

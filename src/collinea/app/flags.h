@@ -35,6 +35,8 @@ class Flags {
   explicit Flags(CLI::App& app) : app_(app) {}
 
   void positional(std::string_view name, std::string& value, std::string_view help, bool required = true);
+  /// Any number of them, also none; the last of the positional ones.
+  void positional(std::string_view name, std::vector<std::string>& values, std::string_view help);
   /// A flag with a short form: "-o".
   void required(std::string_view short_form, std::string_view name, std::string& value, std::string_view help);
 

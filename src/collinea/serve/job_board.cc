@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/serve/job_board.h"
+
+#include <algorithm>
+#include <exception>
+
+namespace collinea {
+
+JobBoard::JobBoard(Work work, Run run)
+    : work_(std::move(work)), run_(std::move(run)), worker_([this](std::stop_token end) { work_on(std::move(end)); }) {}
+
+JobBoard::~JobBoard() {
+  worker_.request_stop();
+  const std::lock_guard lock(mutex_);
+  for (auto& [id, job] : jobs_) job.stop.request_stop();
+}
+
+Result<std::uint64_t> JobBoard::add(JobRequest request) {
+  const std::lock_guard lock(mutex_);
+  const auto waiting = std::count_if(jobs_.begin(), jobs_.end(),
+                                     [](const auto& job) { return job.second.status.state == JobState::kQueued; });
+  if (static_cast<std::size_t>(waiting) >= kMostWaiting)
+    return fail(Errc::kBadInput, std::to_string(waiting) + " jobs are waiting: stop some first");
+  forget_old();
+  const std::uint64_t id = ++last_job_;
+  Job& job = jobs_[id];
+  job.status.id = id;
+  job.status.changed = ++last_change_;
+  job.status.project = request.project.id;
+  job.status.project_name = request.project.name;
+  job.status.step = request.step;
+  job.request = std::move(request);
+  something_to_do_.notify_all();
+  return id;
+}
+
+bool JobBoard::stop(std::uint64_t id) {
+  const std::lock_guard lock(mutex_);
+  const auto found = jobs_.find(id);
+  if (found == jobs_.end() || found->second.status.over()) return false;
+  Job& job = found->second;
+  job.stop.request_stop();
+  if (job.status.state == JobState::kQueued) {
+    job.status.state = JobState::kStopped;
+    job.status.changed = ++last_change_;
+  }
+  return true;
+}
+
+JobChanges JobBoard::since(std::uint64_t number) const {
+  const std::lock_guard lock(mutex_);
+  JobChanges changes{last_change_, {}, {}};
+  for (const auto& [id, job] : jobs_)
+    if (job.status.changed > number) changes.jobs.push_back(job.status);
+  const auto first = std::upper_bound(lines_.begin(), lines_.end(), number,
+                                      [](std::uint64_t after, const JobLine& line) { return after < line.number; });
+  changes.lines.assign(first, lines_.end());
+  return changes;
+}
+
+void JobBoard::work_on(std::stop_token end) {
+  while (true) {
+    Job* job = nullptr;
+    {
+      std::unique_lock lock(mutex_);
+      const auto next = [&] {
+        return std::find_if(jobs_.begin(), jobs_.end(),
+                            [](const auto& one) { return one.second.status.state == JobState::kQueued; });
+      };
+      if (!something_to_do_.wait(lock, end, [&] { return next() != jobs_.end(); }) || end.stop_requested()) return;
+      job = &next()->second;  // stays where it is: only those that are over are forgotten
+      job->status.state = JobState::kRunning;
+      job->status.changed = ++last_change_;
+      job->began = job->stage_began = Clock::now();
+    }
+    do_job(*job);
+  }
+}
+
+void JobBoard::do_job(Job& job) {
+  Run run = run_;
+  run.stop = job.stop.get_token();
+  run.progress = [this, &job](std::string_view stage, double done) { progress(job, stage, done); };
+  run.log = [this, &job](std::string_view line) { say(job, line); };
+  Result<std::string> outcome;
+  try {
+    outcome = work_(job.request, run);
+  } catch (const std::exception& error) {  // the server goes on: other jobs are not to suffer
+    outcome = fail(Errc::kUnsupported, std::string("defect in the program: ") + error.what());
+  }
+  if (!outcome) say(job, outcome.error().message);
+  const std::lock_guard lock(mutex_);
+  JobStatus& status = job.status;
+  status.state = outcome                                    ? JobState::kDone
+                 : outcome.error().code == Errc::kCancelled ? JobState::kStopped
+                                                            : JobState::kFailed;
+  if (outcome)
+    status.findings = *std::move(outcome);
+  else
+    status.error = outcome.error().message;
+  status.left_s.reset();
+  status.elapsed_s = std::chrono::duration<double>(Clock::now() - job.began).count();
+  status.changed = ++last_change_;
+}
+
+void JobBoard::progress(Job& job, std::string_view stage, double done) {
+  constexpr double kEnoughToSay = 0.01;
+  const std::lock_guard lock(mutex_);
+  JobStatus& status = job.status;
+  const auto now = Clock::now();
+  if (status.stage != stage) {
+    status.stage = stage;
+    job.stage_began = now;
+  }
+  const double stage_s = std::chrono::duration<double>(now - job.stage_began).count();
+  status.done = std::clamp(done, 0.0, 1.0);
+  status.elapsed_s = std::chrono::duration<double>(now - job.began).count();
+  status.left_s = done > kEnoughToSay ? std::optional(stage_s * (1 - status.done) / done) : std::nullopt;
+  status.changed = ++last_change_;
+}
+
+void JobBoard::say(Job& job, std::string_view line) {
+  {
+    const std::lock_guard lock(mutex_);
+    lines_.push_back({++last_change_, job.status.id, std::string(line.substr(0, kLongestLine))});
+    if (lines_.size() > kMostLines) lines_.pop_front();
+  }
+  run_.say(line);
+}
+
+// The oldest of those that are over. The caller holds the mutex.
+void JobBoard::forget_old() {
+  for (auto job = jobs_.begin(); job != jobs_.end() && jobs_.size() >= kMostJobs;)
+    job = job->second.status.over() ? jobs_.erase(job) : std::next(job);
+}
+
+}  // namespace collinea

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/serve/routes.h"
+
+#include <charconv>
+
+#include "collinea/project/settings_change.h"
+#include "collinea/serve/internal/byte_range.h"
+#include "collinea/serve/internal/page.h"
+#include "collinea/serve/internal/target.h"
+#include "collinea/serve/options_json.h"
+#include "collinea/serve/project_files.h"
+#include "collinea/serve/project_json.h"
+
+namespace collinea {
+namespace {
+
+constexpr const char* kJson = "application/json";
+
+HttpResponse as_json(std::string text, int status = 200) {
+  return {.status = status, .type = kJson, .body = std::move(text)};
+}
+
+HttpResponse as_json(const Result<std::string>& text) {
+  return text ? as_json(*text) : as_json(error_json(text.error().message), http_status(text.error().code));
+}
+
+HttpResponse not_found() { return as_json(error_json("there is nothing of this name"), 404); }
+
+HttpResponse only(const std::string& methods) {
+  HttpResponse response = as_json(error_json("this is asked in another way: " + methods), 405);
+  response.headers.emplace_back("Allow", methods);
+  return response;
+}
+
+// The cookie is not sent along when another site or a file led here, only when a page of this server goes on.
+HttpResponse entered(std::string cookie) {
+  HttpResponse response{.type = "text/html; charset=utf-8",
+                        .body =
+                            "<!doctype html><meta charset=\"utf-8\"><meta http-equiv=\"refresh\" content=\"0; url=/\">"
+                            "<title>collinea</title><p><a href=\"/\">Go on</a></p>"};
+  response.headers.emplace_back("Set-Cookie", std::move(cookie));
+  return response;
+}
+
+HttpResponse file_response(const HttpRequest& request, const ServedProject& project,
+                           std::span<const std::string> parts) {
+  auto file = OpenFile::in_project(project.folder, parts);
+  if (!file) return not_found();
+  HttpResponse response{.type = std::string(content_type_of(parts.back()))};
+  response.headers = {{"Accept-Ranges", "bytes"}, {"ETag", file->tag()}, {"Cache-Control", "no-cache"}};
+  const std::string_view unless_changed = request.header("if-range");
+  const bool whole = !unless_changed.empty() && unless_changed != file->tag();
+  const ByteRange range = asked_range(whole ? "" : request.header("range"), file->size());
+  const std::string size = std::to_string(file->size());
+  if (range.kind == ByteRange::Kind::kUnsatisfiable) {
+    response = as_json(error_json("the file has no such range, or several were asked for"), 416);
+    response.headers.emplace_back("Content-Range", "bytes */" + size);
+    return response;
+  }
+  FilePart part{file, 0, file->size()};
+  if (range.kind == ByteRange::Kind::kPart) {
+    part = {file, range.first, range.size};
+    response.status = 206;
+    response.headers.emplace_back("Content-Range", "bytes " + std::to_string(range.first) + "-" +
+                                                       std::to_string(range.first + range.size - 1) + "/" + size);
+  }
+  response.file = std::move(part);
+  return response;
+}
+
+std::optional<std::uint64_t> number_of(std::string_view text) {
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+HttpResponse new_job(const HttpRequest& request, const ServedProject& project, Site& site) {
+  if (!request.header("content-type").starts_with(kJson))
+    return as_json(error_json("a job is described as application/json"), 415);
+  Result<std::string> made = [&]() -> Result<std::string> {
+    COLLINEA_TRY(JobRequest job, job_request_in(request.body));
+    COLLINEA_TRY(const Settings settings, read_settings(project.folder));
+    COLLINEA_TRY([[maybe_unused]] const Settings changed, changed_settings(settings, job.options));
+    job.project = project;
+    COLLINEA_TRY(const std::uint64_t id, site.board.add(std::move(job)));
+    return job_json(id);
+  }();
+  return made ? as_json(*made, 202) : as_json(made);
+}
+
+HttpResponse settings_of(const ServedProject& project) {
+  return as_json(read_settings(project.folder).map([](const Settings& settings) { return settings_text(settings); }));
+}
+
+// Below /api/projects/ID.
+HttpResponse project_response(const HttpRequest& request, const Target& target, Site& site) {
+  const auto project = find_project(site.roots, target.path[2]);
+  if (!project) return not_found();
+  const std::string what = target.path.size() > 3 ? target.path[3] : "";
+  const bool reads = request.method != "POST";
+  if (target.path.size() == 3) return reads ? as_json(project_json(*project)) : only("GET");
+  if (what == "files") {
+    if (!reads) return only("GET");
+    return file_response(request, *project, std::span(target.path).subspan(4));
+  }
+  if (target.path.size() > 4) return not_found();
+  if (what == "jobs") return reads ? only("POST") : new_job(request, *project, site);
+  if (what == "settings") return reads ? settings_of(*project) : only("GET");
+  return not_found();
+}
+
+HttpResponse stop_job(const std::string& id, JobBoard& board) {
+  const auto number = number_of(id);
+  return number && board.stop(*number) ? as_json(std::string("{}")) : not_found();
+}
+
+HttpResponse api_response(const HttpRequest& request, const Target& target, Site& site) {
+  const std::string what = target.path.size() > 1 ? target.path[1] : "";
+  const bool reads = request.method != "POST";
+  if (what == "projects" && target.path.size() > 2) return project_response(request, target, site);
+  if (what == "jobs" && target.path.size() == 4 && target.path[3] == "stop")
+    return reads ? only("POST") : stop_job(target.path[2], site.board);
+  if (target.path.size() != 2) return not_found();
+  if (what == "projects") return reads ? as_json(projects_json(find_projects(site.roots))) : only("GET");
+  if (what == "options") return reads ? as_json(options_json()) : only("GET");
+  if (what == "jobs") return reads ? as_json(changes_json(site.board.since(0))) : only("GET");
+  return not_found();
+}
+
+HttpResponse page_response(const HttpRequest& request, const Target& target) {
+  const std::string name = target.path.empty() ? "" : target.path[0];
+  const std::optional<PageFile> file = target.path.size() > 1 ? std::nullopt : page_file(name);
+  if (!file) return not_found();
+  if (request.method == "POST") return only("GET");
+  return {.type = std::string(file->type), .body = std::string(file->text)};
+}
+
+}  // namespace
+
+HttpResponse answer(const HttpRequest& request, Site& site) {
+  if (auto refused = site.access.foreign(request)) return *refused;
+  const auto target = parsed_target(request.target);
+  if (target && target->path.empty() && request.method == "GET") {
+    const auto token = target->query.find("token");
+    if (token != target->query.end())
+      if (auto cookie = site.access.exchange(token->second)) {
+        if (site.link_used) site.link_used();
+        return entered(std::move(*cookie));
+      }
+  }
+  if (auto refused = site.access.refusal(request)) return *refused;
+  if (!target) return as_json(error_json("the address cannot be read"), 400);
+  if (request.method != "GET" && request.method != "HEAD" && request.method != "POST") return only("GET, HEAD, POST");
+  if (!target->path.empty() && target->path[0] == "api") return api_response(request, *target, site);
+  return page_response(request, *target);
+}
+
+std::uint64_t asked_since(std::string_view target) {
+  const auto parsed = parsed_target(target);
+  if (!parsed) return 0;
+  const auto since = parsed->query.find("since");
+  return since == parsed->query.end() ? 0 : number_of(since->second).value_or(0);
+}
+
+std::vector<std::pair<std::string, std::string>> guarding_headers(bool is_project_file) {
+  // Pages of a project are self-contained; a sandbox keeps them from asking the server anything.
+  const std::string policy =
+      is_project_file ? "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
+                      : "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; "
+                        "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+  return {{"Content-Security-Policy", policy},
+          {"X-Content-Type-Options", "nosniff"},
+          {"Referrer-Policy", "no-referrer"},
+          {"Cross-Origin-Opener-Policy", "same-origin"},
+          {"Cross-Origin-Resource-Policy", "same-origin"}};
+}
+
+}  // namespace collinea
