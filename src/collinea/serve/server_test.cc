@@ -266,7 +266,8 @@ TEST_F(ServerTest, AJobIsFollowedToItsEnd) {
   while (last.at("state") != "done") {
     const auto message = testing::read_message(events);
     ASSERT_TRUE(message);
-    for (const json& job : json::parse(*message).at("jobs")) last = job;
+    const json changes = json::parse(*message);
+    for (const json& job : changes.at("jobs")) last = job;
   }
   EXPECT_EQ(last.at("findings").at(0).at("what"), "A finding.");
 }
@@ -319,8 +320,10 @@ class OddRequests {
 
   std::string next() {
     if (below(10) == 0) return bytes(below(400));
-    std::string text = one({"GET", "HEAD", "POST", "PUT", "OPTIONS", "get", "", "CONNECT", "PRI"}) + " " + target() +
-                       " " + one({"HTTP/1.1", "HTTP/1.1", "HTTP/1.1", "HTTP/1.0", "HTTP/2.0", "HTTP/9", ""}) + "\r\n";
+    std::string text = below(3) != 0 ? "GET" : one({"HEAD", "POST", "PUT", "OPTIONS", "get", "", "CONNECT", "PRI"});
+    text += " " + target();
+    text += " " + (below(4) != 0 ? "HTTP/1.1" : one({"HTTP/1.0", "HTTP/2.0", "HTTP/9", ""}));
+    text += "\r\n";
     if (below(8) != 0) text += "Host: " + host_ + "\r\n";
     if (below(8) != 0) text += "Cookie: " + cookie_ + "\r\n";
     for (int i = below(4); i > 0; --i) text += header() + "\r\n";
