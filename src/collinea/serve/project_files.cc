@@ -112,10 +112,10 @@ std::vector<ProjectFile> files_of(const fs::path& folder) {
   for (const std::string_view top : kFolders) {
     for (fs::recursive_directory_iterator entry(root / top, error), end; !error && entry != end;
          entry.increment(error)) {
-      std::error_code gone;
-      const bool is_file = entry->is_regular_file(gone) && is_beneath(fs::canonical(entry->path(), gone), root);
-      const auto bytes = is_file ? entry->file_size(gone) : 0;
-      if (is_file && !gone) files.push_back({entry->path().lexically_relative(root).generic_string(), bytes});
+      std::error_code failed;
+      const bool is_file = entry->is_regular_file(failed) && is_beneath(fs::canonical(entry->path(), failed), root);
+      const auto bytes = is_file ? entry->file_size(failed) : 0;
+      if (is_file && !failed) files.push_back({entry->path().lexically_relative(root).generic_string(), bytes});
     }
   }
   std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) { return a.path < b.path; });
