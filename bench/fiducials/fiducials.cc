@@ -19,6 +19,7 @@
 #include <numbers>
 #include <string_view>
 
+#include "collinea/camera/film_fit.h"
 #include "collinea/feature/fiducial_search.h"
 #include "collinea/feature/scan_for_tests.h"
 #include "collinea/raster/image_file.h"

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "collinea/camera/film_transformation.h"
+#include "collinea/camera/film_fit.h"
 
 namespace collinea {
 namespace {

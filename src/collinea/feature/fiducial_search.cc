@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "collinea/base/parallel.h"
+#include "collinea/camera/film_fit.h"
 
 namespace collinea {
 namespace {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "collinea/camera/film_fit.h"
 #include "collinea/film/scan_marks.h"
 
 namespace collinea {

@@ -7,7 +7,7 @@
 
 #include "collinea/base/finding.h"
 #include "collinea/camera/film_calibration.h"
-#include "collinea/camera/film_transformation.h"
+#include "collinea/camera/film_fit.h"
 #include "collinea/camera/mark_readings.h"
 #include "collinea/io/text_table.h"
 
