@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "collinea/base/file.h"
 #include "collinea/base/test_folder.h"
 
@@ -99,6 +101,25 @@ TEST_F(AbsoluteJob, PlaneSimilarityWithItsInverse) {
   EXPECT_NEAR(report->parameters[3].value, 90, 1e-9);
   EXPECT_NEAR(report->inverse_parameters[0].value, -10, 1e-9);
   EXPECT_NEAR(report->inverse_parameters[1].value, 5, 1e-9);
+}
+
+TEST_F(AbsoluteJob, AWrongCheckPointOfAPlaneSimilarityIsNamed) {
+  OrientAbsoluteOptions options;
+  options.method = AbsoluteMethod::kPlane;
+  options.sigma_ground = 0.01;
+  options.sigma_model = 0.005;
+  options.check = "d";
+  const std::string model = "point U V\na 0 0\nb 1 0\nc 0 1\nd 1 1\n",
+                    ground = "point X[m] Y[m]\na 10 20\nb 10 22\nc 8 20\n";
+  const auto named = [&](const std::string& check) {
+    const auto report = orient(model, ground + check, options);
+    EXPECT_TRUE(report) << report.error().message;
+    // the point lies beyond the others: more uncertain than 1 cm of the ground and 1 cm of the model, scaled
+    EXPECT_GT(report->points[3].sigma.x(), 0.0141);
+    return std::ranges::count(report->findings, FindingCode::kCheckPoint, &Finding::code);
+  };
+  EXPECT_EQ(named("d 8.01 22.01\n"), 0);
+  EXPECT_EQ(named("d 8.3 22\n"), 1);
 }
 
 TEST_F(AbsoluteJob, BadTablesAreRefused) {

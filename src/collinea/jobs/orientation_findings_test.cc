@@ -246,7 +246,6 @@ class UncalibratedFindings : public OrientationFindings {
   UncalibratedFindings() {
     options_.sigma = 0.3;
     options_.calibration = CalibrationUnknowns::kAll;
-    options_.alpha = 1e-5;  // of each of 300 coordinates: 0.3 % for all
   }
   [[nodiscard]] Codes factorised(const SelfCalibrationTruth& truth, int left_out = 0) {
     std::string text = "image point x[px] y[px]\n";

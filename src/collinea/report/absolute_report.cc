@@ -61,15 +61,16 @@ TextTable ground_table(const AbsoluteReport& report) {
 std::string suspect_text(const AbsoluteReport& report) {
   const AbsoluteReport::Point* worst = nullptr;
   int at = 0;
+  std::size_t tests = 0;
   for (const AbsoluteReport::Point& point : report.points)
     for (int axis = 0; axis < 3; ++axis)
       if (!point.is_check && !point.is_rejected && is_known(report, point, axis))
-        if (!worst || std::abs(point.w[axis]) > std::abs(worst->w[at])) {
+        if (tests += point.w[axis] != 0; !worst || std::abs(point.w[axis]) > std::abs(worst->w[at])) {
           worst = &point;
           at = axis;
         }
   if (!worst || report.variance.redundancy <= 0) return "";
-  const double limit = report.variance.limit();
+  const double limit = report.variance.limit(tests);
   if (std::abs(worst->w[at]) <= limit)
     return fmt::format("no control coordinate contradicts the others: largest |w| {:.2f} ({} of {}), limit {:.2f}\n",
                        std::abs(worst->w[at]), kAxes[at], worst->name, limit);

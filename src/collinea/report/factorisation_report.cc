@@ -120,8 +120,8 @@ std::string worst_text(const FactorisationReport& report, const Euclidean& eucli
   const auto largest = [&](std::size_t k) { return euclidean.marks[k].w.cwiseAbs().maxCoeff(); };
   for (std::size_t k = 1; k < euclidean.marks.size(); ++k)
     if (largest(k) > largest(worst)) worst = k;
-  return largest_test_text(euclidean.variance, largest(worst), report.points[worst / report.images.size()],
-                           report.images[worst % report.images.size()]);
+  return largest_test_text(euclidean.variance, 2 * euclidean.marks.size(), largest(worst),
+                           report.points[worst / report.images.size()], report.images[worst % report.images.size()]);
 }
 
 std::string projective_text(const FactorisationReport& report) {

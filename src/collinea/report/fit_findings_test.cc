@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "collinea/math/random.h"
@@ -47,6 +48,33 @@ TEST(VarianceTest, RightSigmasAreDoubtedAsOftenAsStated) {
   }
   EXPECT_NEAR(large, 40, 26);
   EXPECT_NEAR(small, 40, 26);
+}
+
+// 0.05 of 4000 tables of 60 tests have a larger one by chance: 200 with a standard deviation of 14, four of which are
+// allowed. Were each tested at 0.05, 0.95 of them had.
+TEST(VarianceTest, TheLargestOfManyIsBeyondItsLimitAsOftenAsStated) {
+  const double limit = VarianceTest{1, 50, true, 0.05}.limit(60);
+  int beyond = 0;
+  for (std::uint64_t seed = 0; seed < 4000; ++seed) {
+    Random random(seed, 5);
+    double largest = 0;
+    for (int i = 0; i < 60; ++i) largest = std::max(largest, std::abs(random.normal()));
+    beyond += largest > limit;
+  }
+  EXPECT_NEAR(beyond, 200, 56);
+}
+
+// sigma0 of two degrees of freedom is far from sure: deviations in it are Student's. tau, at most root 2, would doubt
+// three check coordinates of ten.
+TEST(VarianceTest, ChecksAreDoubtedAsOftenAsStatedWhereSigmasAreUnknown) {
+  const double limit = VarianceTest{1, 2, false, 0.05}.limit_of_checks();
+  int beyond = 0;
+  for (std::uint64_t seed = 0; seed < 4000; ++seed) {
+    Random random(seed, 6);
+    const double sigma0 = std::hypot(random.normal(), random.normal()) / std::sqrt(2.0);
+    beyond += std::abs(random.normal()) / sigma0 > limit;
+  }
+  EXPECT_NEAR(beyond, 200, 56);
 }
 
 TEST(FitFindings, AreMadeOfWhatContradicts) {

@@ -211,11 +211,13 @@ std::string method_text(const ResectionReport& report) {
 
 std::string suspect_text(const ResectionReport& report) {
   const ResectionReport::Mark* worst = nullptr;
+  std::size_t tests = 0;
+  for (const ResectionReport::Mark& mark : report.marks) tests += mark.is_rejected ? 0 : report.is_station() ? 1 : 2;
   for (const ResectionReport::Mark& mark : report.marks)
     if (!mark.is_rejected && (!worst || mark.w.cwiseAbs().maxCoeff() > worst->w.cwiseAbs().maxCoeff())) worst = &mark;
   if (!worst || report.variance.redundancy <= 0) return "";
   const double w = worst->w.cwiseAbs().maxCoeff();
-  return largest_test_text(report.variance, w, worst->point, worst->image);
+  return largest_test_text(report.variance, tests, w, worst->point, worst->image);
 }
 
 }  // namespace

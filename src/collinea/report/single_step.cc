@@ -94,16 +94,22 @@ TextTable correlations_table(std::span<const Estimate> estimates, const Eigen::M
   return table;
 }
 
-double VarianceTest::limit() const {
-  return sigmas_are_stated || redundancy <= 1 ? normal_limit(alpha) : tau_limit(alpha, redundancy);
+double VarianceTest::limit(std::size_t tests) const {
+  const double each = alpha / double(std::max<std::size_t>(tests, 1));
+  return sigmas_are_stated || redundancy <= 1 ? normal_limit(each) : tau_limit(each, redundancy);
 }
 
-std::string largest_test_text(const VarianceTest& test, double largest, const std::string& point,
+double VarianceTest::limit_of_checks(std::size_t tests) const {
+  const double each = alpha / double(std::max<std::size_t>(tests, 1));
+  return sigmas_are_stated || redundancy <= 0 ? normal_limit(each) : student_limit(each, redundancy);
+}
+
+std::string largest_test_text(const VarianceTest& test, std::size_t tests, double largest, const std::string& point,
                               const std::string& image) {
-  return fmt::format(
-      "{}: largest |w| {:.2f} (point {}, {}), limit {:.2f}\n",
-      largest > test.limit() ? "a measurement contradicts the others" : "no measurement contradicts the others",
-      largest, point, image, test.limit());
+  const double limit = test.limit(tests);
+  return fmt::format("{}: largest |w| {:.2f} (point {}, {}), limit {:.2f}\n",
+                     largest > limit ? "a measurement contradicts the others" : "no measurement contradicts the others",
+                     largest, point, image, limit);
 }
 
 TextTable exterior_table(std::span<const std::string> images, std::span<const std::vector<Estimate>> exterior) {

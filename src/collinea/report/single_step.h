@@ -61,8 +61,12 @@ struct VarianceTest {
   /// By what tests are divided: factor(), or 1 where residuals are those of rounding (below a millionth of the assumed
   /// standard deviations): nothing of them is tested then.
   [[nodiscard]] double of_tests() const { return factor() < 1e-6 ? 1 : factor(); }
-  /// Of the test w of one measurement, divided by of_tests(): normal, or tau.
-  [[nodiscard]] double limit() const;
+  /// Of the test w of one measurement, divided by of_tests(): normal, or tau. Of the largest of `tests` together that
+  /// chance makes larger is `alpha` at most (Bonferroni: alpha / tests for each).
+  [[nodiscard]] double limit(std::size_t tests = 1) const;
+  /// Of a deviation over its standard deviation of what took no part in the adjustment: normal, or Student's t, for its
+  /// error and sigma0 are independent.
+  [[nodiscard]] double limit_of_checks(std::size_t tests = 1) const;
 
   /// Level of the test of sigma0 as a whole, each way.
   static constexpr double kLevel = 0.01;
@@ -74,9 +78,9 @@ struct VarianceTest {
 /// The outcome for people, where standard deviations were stated: "agrees with the stated sigmas (chance ...)".
 [[nodiscard]] std::string verdict_text(VarianceVerdict verdict, double chance_of_more);
 [[nodiscard]] std::string variance_text(const VarianceTest& test);
-/// The largest test of a measurement beside its limit, and whether it contradicts the others.
-[[nodiscard]] std::string largest_test_text(const VarianceTest& test, double largest, const std::string& point,
-                                            const std::string& image);
+/// The largest of `tests` of measurements beside the limit of all together, and whether it contradicts the others.
+[[nodiscard]] std::string largest_test_text(const VarianceTest& test, std::size_t tests, double largest,
+                                            const std::string& point, const std::string& image);
 
 /// The rows of a table indented_rows by two blanks, without remarks.
 [[nodiscard]] std::string indented_rows(const TextTable& table);

@@ -100,10 +100,12 @@ std::string choice_text(const TripletReport& report) {
 std::string suspect_text(const TripletReport& report) {
   const TripletReport::Mark* worst = nullptr;
   const auto largest = [](const TripletReport::Mark& mark) { return mark.test.w.cwiseAbs().maxCoeff(); };
+  std::size_t tests = 0;
+  for (const TripletReport::Mark& mark : report.marks) tests += mark.is_rejected ? 0 : 2;
   for (const TripletReport::Mark& mark : report.marks)
     if (!mark.is_rejected && (!worst || largest(mark) > largest(*worst))) worst = &mark;
   if (!worst || report.variance.redundancy <= 0) return "";
-  return largest_test_text(report.variance, largest(*worst), worst->point, worst->image);
+  return largest_test_text(report.variance, tests, largest(*worst), worst->point, worst->image);
 }
 
 }  // namespace

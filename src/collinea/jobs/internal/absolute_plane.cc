@@ -70,6 +70,15 @@ Result<> leave_out_by_median(AbsoluteTables& control, std::uint64_t seed) {
 
 Vector3d lifted(const Eigen::Vector2d& v) { return {v.x(), v.y(), 0}; }
 
+// Of a point of the model in plan, by the similarity and by the point itself.
+Eigen::Matrix2d covariance_on_ground(const PlaneSimilarity& fit, const Eigen::Vector2d& u,
+                                     const Eigen::Matrix2d& of_point) {
+  const Eigen::Vector2d arm = fit.matrix() * u;
+  Eigen::Matrix<double, 2, 4> by;
+  by << 1, 0, arm.x() / fit.scale, -arm.y(), 0, 1, arm.y() / fit.scale, arm.x();
+  return by * fit.covariance * by.transpose() + fit.matrix() * of_point * fit.matrix().transpose();
+}
+
 void add_points(const AbsoluteTables& control, const PlaneSimilarityFit& fit, const Pairs& used,
                 AbsoluteReport& report) {
   const double factor = report.variance.factor();
@@ -91,6 +100,13 @@ void add_points(const AbsoluteTables& control, const PlaneSimilarityFit& fit, co
       point.redundancy = lifted(fit.redundancies[next]);
       point.w = lifted(fit.w[next]) / report.variance.of_tests();
       ++next;
+    } else if (pair.has_plan) {
+      const Eigen::Matrix2d covariance =
+          covariance_on_ground(fit.b_from_a, pair.in_model.head<2>(), pair.model_covariance.topLeftCorner<2, 2>()) +
+          pair.ground_covariance.topLeftCorner<2, 2>();
+      const Eigen::Vector2d sigma = covariance.diagonal().cwiseSqrt();
+      point.sigma = factor * lifted(sigma);
+      point.w = lifted(point.misfit.head<2>().cwiseQuotient(sigma)) / report.variance.of_tests();
     }
     report.points.push_back(std::move(point));
   }
@@ -99,14 +115,11 @@ void add_points(const AbsoluteTables& control, const PlaneSimilarityFit& fit, co
 void add_ground(const AbsoluteTables& control, const PlaneSimilarityFit& fit, AbsoluteReport& report) {
   const double factor = report.variance.factor();
   for (std::size_t i = 0; i < control.model.names.size(); ++i) {
-    const Eigen::Vector2d u = control.model.points[i].head<2>(), x = fit.b_from_a * u;
-    const Eigen::Vector2d arm = fit.b_from_a.matrix() * u;
-    Eigen::Matrix<double, 2, 4> by;
-    by << 1, 0, arm.x() / fit.b_from_a.scale, -arm.y(), 0, 1, arm.y() / fit.b_from_a.scale, arm.x();
-    const Eigen::Matrix2d own =
-        fit.b_from_a.matrix() * control.model.covariances[i].topLeftCorner<2, 2>() * fit.b_from_a.matrix().transpose();
-    const Eigen::Matrix2d covariance = by * fit.b_from_a.covariance * by.transpose() + own;
-    report.ground.push_back({control.model.names[i], lifted(x), lifted(factor * covariance.diagonal().cwiseSqrt())});
+    const Eigen::Vector2d u = control.model.points[i].head<2>();
+    const Eigen::Matrix2d covariance =
+        covariance_on_ground(fit.b_from_a, u, control.model.covariances[i].topLeftCorner<2, 2>());
+    report.ground.push_back(
+        {control.model.names[i], lifted(fit.b_from_a * u), lifted(factor * covariance.diagonal().cwiseSqrt())});
   }
 }
 
@@ -125,7 +138,7 @@ Result<AbsoluteReport> orient_in_plane(AbsoluteTables& control, const OrientAbso
   const double factor = report.variance.factor();
   report.parameters = estimates_of(fit->b_from_a, factor, "X0", "Y0");
   report.inverse_parameters = estimates_of(inverse(fit->b_from_a), factor, "U0", "V0");
-  report.covariance = fit->b_from_a.covariance;
+  report.covariance = factor * factor * fit->b_from_a.covariance;
   report.full = static_cast<int>(used.pairs.size());
   add_points(control, *fit, used, report);
   add_ground(control, *fit, report);

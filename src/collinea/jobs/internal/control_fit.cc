@@ -92,7 +92,7 @@ AbsoluteReport control_report(const ControlFit& control, const AbsoluteOrientati
   const double factor = variance.factor();
   const AbsoluteParameters parameters = parameters_of(found);
   report.parameters = estimates_of(parameters, factor);
-  report.covariance = parameters.covariance;
+  report.covariance = factor * factor * parameters.covariance;
   std::size_t next = 0;
   for (std::size_t k = 0; k < control.pairs.size(); ++k) {
     const AbsoluteControl& pair = control.pairs[k];
@@ -102,8 +102,9 @@ AbsoluteReport control_report(const ControlFit& control, const AbsoluteOrientati
     if (point.is_check || point.is_rejected) {
       const GroundPoint at = on_ground(found, pair.in_model, pair.model_covariance);
       point.misfit = pair.in_ground - at.position;
-      point.sigma = factor * (at.covariance + pair.ground_covariance).diagonal().cwiseSqrt();
-      point.w = point.misfit.cwiseQuotient(point.sigma);
+      const Vector3d sigma = (at.covariance + pair.ground_covariance).diagonal().cwiseSqrt();
+      point.sigma = factor * sigma;
+      point.w = point.misfit.cwiseQuotient(sigma) / variance.of_tests();
     } else {
       const ControlResidual& residual = found.residuals[next++];
       point.misfit = residual.misfit;

@@ -83,7 +83,9 @@ void add_narrow(const IntersectionReport& report, std::vector<Finding>& findings
 
 // Of three rays and more the one that misses is named; points are independent of each other.
 void add_missing(const IntersectionReport& report, std::vector<Finding>& findings) {
-  const double limit = report.variance.limit();
+  std::size_t tests = 0;
+  for (const IntersectionReport::Point& point : report.points) tests += 2 * point.rays.size();
+  const double limit = report.variance.limit(tests);
   std::vector<Subject> of_two;
   double largest = 0;
   for (const IntersectionReport::Point& point : report.points) {
@@ -178,7 +180,8 @@ std::vector<Finding> resection_findings(const ResectionReport& report, const Res
     if (mark.is_rejected)
       rejected.push_back(Subject::point(mark.point));
     else
-      tests.push_back({mark.point, report.is_station() ? "" : mark.image, mark.w.cwiseAbs().maxCoeff()});
+      tests.push_back({mark.point, report.is_station() ? "" : mark.image, mark.w.cwiseAbs().maxCoeff(),
+                       report.is_station() ? std::size_t(1) : 2});
   for (const ResectionReport::Image& image : report.images) {
     add_pose(report, image, options, findings);
     add_danger(report, image, findings);

@@ -83,27 +83,24 @@ void add_weak(const ModelsReport& report, std::vector<Finding>& findings) {
 
 void add_control(const ModelsReport& report, std::vector<Finding>& findings) {
   const JoinedBlock& block = report.block;
-  std::vector<ControlTest> tests;
+  std::vector<ControlTest> tests, checks;
   for (const JoinedControl& one : block.control) {
     const SurveyedPoint& point = report.control[one.index];
     if (!one.seen) continue;
     ControlTest test{point.name};
-    bool is_off = false;
     for (int axis = 0; axis < 3; ++axis) {
       if (!point.has(axis)) continue;
       test.misfit_m[axis] = one.difference[axis];
-      test.w[axis] = one.tests[static_cast<std::size_t>(axis)].w;
-      is_off |= point.is_check && std::abs(one.difference[axis]) > block.limit * one.sigma[axis];
+      test.w[axis] =
+          point.is_check ? one.difference[axis] / one.sigma[axis] : one.tests[static_cast<std::size_t>(axis)].w;
     }
-    if (!point.is_check)
-      tests.push_back(test);
-    else if (is_off)
-      findings.push_back(
-          finding_of(C::kCheckPoint, {Subject::control_named(point.name)}, {{F::kOffset, test.misfit_m.norm()}}));
+    (point.is_check ? checks : tests).push_back(std::move(test));
   }
+  const VarianceTest variance{block.sigma0, static_cast<int>(block.redundancy()), report.sigmas_known,
+                              report.false_alarm};
+  add_check_findings(variance, checks, findings);
   std::vector<Finding> fit;
-  const auto redundancy = static_cast<int>(block.redundancy());
-  add_fit_findings({block.sigma0, redundancy, report.sigmas_known, report.false_alarm}, tests, fit);
+  add_fit_findings(variance, tests, fit);
   // Of models with images in common residuals are smaller as a rule.
   if (!report.pairs.empty()) std::erase_if(fit, [](const Finding& one) { return one.code == C::kResidualsSmall; });
   findings.insert(findings.end(), fit.begin(), fit.end());

@@ -107,7 +107,7 @@ std::vector<Finding> relative_findings(const RelativeReport& report) {
   for (std::size_t i = 0; i < report.names.size(); ++i) {
     const PairResidual& residual = orientation.residuals[i];
     if (!residual.used) rejected.push_back(Subject::point(report.names[i]));
-    if (residual.used && unit > 0) tests.push_back({report.names[i], "", std::abs(residual.standardised) / unit});
+    if (residual.used && unit > 0) tests.push_back({report.names[i], "", std::abs(residual.standardised) / unit, 1});
   }
   if (orientation.redundancy > 0 && orientation.used < kFewPairPoints)
     findings.push_back(finding_of(C::kFewPoints, {},
@@ -133,7 +133,7 @@ std::vector<Finding> given_relative_findings(const RelativeReport& report) {
   if (!report.options.sigma_known) return findings;
   std::vector<MeasurementTest> tests;
   for (std::size_t i = 0; i < report.names.size(); ++i)
-    tests.push_back({report.names[i], "", std::abs(report.coplanarity->points[i].w)});
+    tests.push_back({report.names[i], "", std::abs(report.coplanarity->points[i].w), 1});
   // Nothing is estimated: each point is a condition that checks the elements.
   add_measurement_findings(
       {report.coplanarity->sigma0, static_cast<int>(report.names.size()), true, report.options.alpha}, tests, findings);
@@ -182,7 +182,7 @@ std::vector<Finding> absolute_findings(const AbsoluteReport& report, const Contr
   if (report.solutions > 1)
     findings.push_back(
         finding_of(C::kSolutionsOpen, {}, {{F::kCount, double(report.solutions)}}, {RemedyCode::kGiveHeightMore}));
-  std::vector<ControlTest> tests;
+  std::vector<ControlTest> tests, checks;
   std::vector<Subject> rejected;
   std::size_t used = 0;
   for (const AbsoluteReport::Point& point : report.points) {
@@ -194,12 +194,9 @@ std::vector<Finding> absolute_findings(const AbsoluteReport& report, const Contr
     ControlTest test{point.name, point.misfit, point.w};
     if (!point.has_plan) test.misfit_m.head<2>().setZero(), test.w.head<2>().setZero();
     if (!point.has_height || report.is_plane) test.misfit_m.z() = test.w.z() = 0;
-    if (!point.is_check)
-      tests.push_back(std::move(test));
-    else if (test.w.cwiseAbs().maxCoeff() > report.variance.limit())
-      findings.push_back(
-          finding_of(C::kCheckPoint, {Subject::control_named(point.name)}, {{F::kOffset, test.misfit_m.norm()}}));
+    (point.is_check ? checks : tests).push_back(std::move(test));
   }
+  add_check_findings(report.variance, checks, findings);
   if (report.variance.redundancy <= 0)
     findings.push_back(finding_of(C::kNothingChecks, {}, {}, {RemedyCode::kMeasureMorePoints}));
   add_fit_findings(report.variance, tests, findings);
