@@ -18,6 +18,7 @@
 
 #include "collinea/app/exit_code.h"
 #include "collinea/app/json_text.h"
+#include "collinea/report/error_text.h"
 
 namespace collinea {
 namespace {
@@ -199,14 +200,6 @@ int Console::complain(const Error& error) {
     fmt::print(stderr, "error: {}\n", text);
   state.write_log("error: " + text);
   return code;
-}
-
-std::string text_of(const Error& error, const SpellOption& spelling) {
-  std::string names;
-  for (const OptionName& option : error.options)
-    names += (names.empty() ? "" : ", ") + (spelling ? spelling(option) : option.name);
-  if (names.empty()) return error.message;
-  return error.message + (error.options.size() == 1 ? " (option " : " (options ") + names + ")";
 }
 
 int complain(const Error& error, const SpellOption& spelling) {

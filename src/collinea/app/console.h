@@ -61,8 +61,4 @@ class Console {
 /// The same where there is no console: prints "error: ..." to stderr.
 int complain(const Error& error, const SpellOption& spelling = {});
 
-/// What went wrong, with the options that it is about: "give a CRS (option --crs)". Without a spelling they have their
-/// names.
-[[nodiscard]] std::string text_of(const Error& error, const SpellOption& spelling);
-
 }  // namespace collinea

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "collinea/app/json_text.h"
+#include "collinea/report/error_text.h"
 
 namespace collinea {
 namespace {

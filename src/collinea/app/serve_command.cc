@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cstdio>
+
 #include "collinea/app/commands.h"
 #include "collinea/app/console_command.h"
 #include "collinea/serve/serve.h"
@@ -24,7 +28,15 @@ Command serve_command() {
         flags.add_all(asked.console, "run");
       },
       [](Asked& asked, Console& console) -> Result<std::string> {
-        COLLINEA_TRY(serve({asked.projects.begin(), asked.projects.end()}, asked.options, console.run()));
+        const Run run = console.run();
+        // Without the link nobody comes in, so that it is shown where nothing else is.
+        const auto show = [&](std::string_view line) {
+          if (asked.console.progress == ProgressForm::kNone)
+            fmt::print(stderr, "{}\n", line);
+          else
+            run.say(line);
+        };
+        COLLINEA_TRY(serve({asked.projects.begin(), asked.projects.end()}, asked.options, run, show));
         return std::string();
       });
 }

@@ -4,7 +4,6 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -23,16 +22,6 @@ void read_seed(const json& j, Settings& settings) {
   } catch (const std::exception& error) {
     throw std::invalid_argument(std::string("seed: ") + error.what());
   }
-}
-
-json settings_to_json(const Settings& settings) {
-  json j;
-  j["photos"] = settings.photos;
-  j["seed"] = settings.seed;
-  Settings::each(settings, [&](const char*, const char* group, const auto& group_options) {
-    j["options"][group] = options_to_json(group_options);
-  });
-  return j;
 }
 
 bool can_be_kept(const json& j) {
@@ -57,14 +46,7 @@ Result<Settings> read_settings(const std::filesystem::path& project) {
     if (j.contains("seed")) read_seed(j.at("seed"), settings);
     const json none = json::object();
     const json& options = j.contains("options") ? j.at("options") : none;  // copies of nested arrays fill the stack
-    std::set<std::string> known;
-    Settings::each(settings, [&](const char*, const char* group, auto& group_options) {
-      known.insert(group);
-      if (options.contains(group)) options_from_json(options.at(group), group, group_options);
-    });
-    for (const auto& [group, values] : options.items())
-      if (!known.contains(group))
-        throw std::invalid_argument("options." + group + ": there is no such group of options");
+    groups_from_json(options, settings);
   } catch (Error& error) {
     return tl::unexpected(std::move(error).within(path.string()));
   } catch (const std::exception& error) {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/project/settings_change.h"
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
-#include <set>
+#include <system_error>
 
 #include "collinea/project/internal/settings_json.h"
 
@@ -11,22 +12,30 @@ namespace {
 
 using nlohmann::json;
 
-Result<> check_path(std::string_view name, const std::filesystem::path& path) {
+Result<> check_path(std::string_view name, PathKind, const std::filesystem::path& path) {
   if (path.empty() || path.is_absolute()) return {};
   return fail(Errc::kBadInput, std::string(name) + " = \"" + path.string() + "\": give an absolute path");
 }
 
-Result<> check_paths(const Settings& settings) {
+// A text that may be a word is the name of a file where it has folders, or where there is that file.
+Result<> check_path(std::string_view name, PathKind kind, const std::string& text) {
+  std::error_code error;
+  const bool is_file =
+      kind == PathKind::kFileOrWord && (text.find('/') != text.npos || std::filesystem::is_regular_file(text, error));
+  return is_file ? check_path(name, kind, std::filesystem::path(text)) : Result<>();
+}
+
+// Paths of the fields that are given.
+Result<> check_paths(const json& given, const Settings& settings) {
   Result<> verdict;
-  Settings::each(settings, [&](const char*, const char*, const auto& options) {
+  Settings::each(settings, [&](const char*, const char* group, const auto& options) {
     for_each_field(options, [&](const auto& field, const auto& owner) {
+      if (!verdict || !given.contains(group) || !given.at(group).contains(std::string(field.name))) return;
       const auto& value = owner.*field.member;
-      using Value = std::decay_t<decltype(value)>;
-      if (!verdict) return;
-      if constexpr (std::is_same_v<Value, std::filesystem::path>)
-        verdict = check_path(field.name, value);
-      else if constexpr (std::is_same_v<Value, std::optional<std::filesystem::path>>)
-        if (value) verdict = check_path(field.name, *value);
+      if constexpr (requires { check_path(field.name, field.path, value); })
+        verdict = check_path(field.name, field.path, value);
+      else if constexpr (requires { check_path(field.name, field.path, *value); })
+        if (value) verdict = check_path(field.name, field.path, *value);
     });
   });
   return verdict;
@@ -34,33 +43,22 @@ Result<> check_paths(const Settings& settings) {
 
 }  // namespace
 
-std::string settings_text(const Settings& settings) {
-  json j = {{"photos", settings.photos}, {"seed", settings.seed}, {"options", json::object()}};
-  Settings::each(settings, [&](const char*, const char* group, const auto& options) {
-    j["options"][group] = options_to_json(options);
-  });
-  return json_text(j);
-}
+std::string settings_text(const Settings& settings) { return json_text(settings_to_json(settings)); }
 
 Result<Settings> changed_settings(const Settings& settings, std::string_view options) {
   Settings changed = settings;
+  json given;
   try {
-    const json j = json::parse(options);
-    if (!j.is_object()) return fail(Errc::kBadInput, "options must be an object of groups");
-    std::set<std::string> known;
-    Settings::each(changed, [&](const char*, const char* group, auto& group_options) {
-      known.insert(group);
-      if (j.contains(group)) options_from_json(j.at(group), group, group_options);
-    });
-    for (const auto& [group, values] : j.items())
-      if (!known.contains(group)) return fail(Errc::kBadInput, "there is no group of options \"" + group + "\"");
+    given = json::parse(options);
+    if (!given.is_object()) return fail(Errc::kBadInput, "options must be an object of groups");
+    groups_from_json(given, changed);
   } catch (Error& error) {
     return tl::unexpected(std::move(error));
   } catch (const std::exception& error) {
     return fail(Errc::kBadInput, error.what());
   }
   COLLINEA_TRY(validate_settings(changed));
-  COLLINEA_TRY(check_paths(changed));
+  COLLINEA_TRY(check_paths(given, changed));
   return changed;
 }
 

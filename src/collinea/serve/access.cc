@@ -7,6 +7,7 @@
 #include <array>
 
 #include "collinea/base/result.h"
+#include "collinea/serve/internal/json_answer.h"
 
 namespace collinea {
 namespace {
@@ -80,16 +81,16 @@ Access::Access(ServerNames names) : names_(std::move(names)) {}
 std::optional<HttpResponse> Access::foreign(const HttpRequest& request) const {
   const std::string_view host = request.header("host");
   if (!is_own_host(host, names_))
-    return HttpResponse{.status = 403, .body = "This server has another name than the one it was called by.\n"};
+    return error_answer(403, "This server has another name than the one it was called by.");
   if (!is_own_origin(request.header("origin"), host))
-    return HttpResponse{.status = 403, .body = "Pages of other sites may ask nothing here.\n"};
+    return error_answer(403, "Pages of other sites may ask nothing here.");
   return std::nullopt;
 }
 
 std::optional<HttpResponse> Access::refusal(const HttpRequest& request) const {
   if (auto response = foreign(request)) return response;
   if (is_same_secret(cookie_in(request.header("cookie"), cookie_name()), session_)) return std::nullopt;
-  return HttpResponse{.status = 401, .body = "Open the link that `collinea serve` showed last; each serves once.\n"};
+  return error_answer(401, "Open the link that `collinea serve` showed last; each serves once.");
 }
 
 std::optional<std::string> Access::exchange(std::string_view token) {

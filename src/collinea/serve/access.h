@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -48,7 +47,6 @@ class Access {
   /// "/?token=...".
   [[nodiscard]] std::string link() const;
   [[nodiscard]] std::string cookie_name() const;
-  [[nodiscard]] const ServerNames& names() const { return names_; }
 
  private:
   ServerNames names_;

@@ -4,7 +4,16 @@
 #include <algorithm>
 #include <exception>
 
+#include "collinea/report/error_text.h"
+
 namespace collinea {
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+}  // namespace
 
 JobBoard::JobBoard(Work work, Run run)
     : work_(std::move(work)), run_(std::move(run)), worker_([this](std::stop_token end) { work_on(std::move(end)); }) {}
@@ -15,12 +24,11 @@ JobBoard::~JobBoard() {
   for (auto& [id, job] : jobs_) job.stop.request_stop();
 }
 
-Result<std::uint64_t> JobBoard::add(JobRequest request) {
+std::optional<std::uint64_t> JobBoard::add(JobRequest request) {
   const std::lock_guard lock(mutex_);
   const auto waiting = std::count_if(jobs_.begin(), jobs_.end(),
                                      [](const auto& job) { return job.second.status.state == JobState::kQueued; });
-  if (static_cast<std::size_t>(waiting) >= kMostWaiting)
-    return fail(Errc::kBadInput, std::to_string(waiting) + " jobs are waiting: stop some first");
+  if (static_cast<std::size_t>(waiting) >= kMostWaiting) return std::nullopt;
   forget_old();
   const std::uint64_t id = ++last_job_;
   Job& job = jobs_[id];
@@ -50,8 +58,11 @@ bool JobBoard::stop(std::uint64_t id) {
 JobChanges JobBoard::since(std::uint64_t number) const {
   const std::lock_guard lock(mutex_);
   JobChanges changes{last_change_, {}, {}};
-  for (const auto& [id, job] : jobs_)
-    if (job.status.changed > number) changes.jobs.push_back(job.status);
+  for (const auto& [id, job] : jobs_) {
+    if (job.status.changed <= number) continue;
+    changes.jobs.push_back(job.status);
+    if (job.status.state == JobState::kRunning) changes.jobs.back().elapsed_s = seconds_since(job.began);
+  }
   const auto first = std::upper_bound(lines_.begin(), lines_.end(), number,
                                       [](std::uint64_t after, const JobLine& line) { return after < line.number; });
   changes.lines.assign(first, lines_.end());
@@ -80,15 +91,21 @@ void JobBoard::work_on(std::stop_token end) {
 void JobBoard::do_job(Job& job) {
   Run run = run_;
   run.stop = job.stop.get_token();
-  run.progress = [this, &job](std::string_view stage, double done) { progress(job, stage, done); };
+  run.progress = [this, &job](std::string_view stage, double done) {
+    progress(job, stage, done);
+    run_.report(stage, done);
+  };
   run.log = [this, &job](std::string_view line) { say(job, line); };
   Result<std::string> outcome;
   try {
     outcome = work_(job.request, run);
   } catch (const std::exception& error) {  // the server goes on: other jobs are not to suffer
     outcome = fail(Errc::kUnsupported, std::string("defect in the program: ") + error.what());
+  } catch (...) {
+    outcome = fail(Errc::kUnsupported, "defect in the program");
   }
-  if (!outcome) say(job, outcome.error().message);
+  const std::string failure = outcome ? "" : text_of(outcome.error(), run.spelling);
+  if (!outcome) say(job, failure);
   const std::lock_guard lock(mutex_);
   JobStatus& status = job.status;
   status.state = outcome                                    ? JobState::kDone
@@ -97,9 +114,9 @@ void JobBoard::do_job(Job& job) {
   if (outcome)
     status.findings = *std::move(outcome);
   else
-    status.error = outcome.error().message;
+    status.error = failure;
   status.left_s.reset();
-  status.elapsed_s = std::chrono::duration<double>(Clock::now() - job.began).count();
+  status.elapsed_s = seconds_since(job.began);
   status.changed = ++last_change_;
 }
 
@@ -107,14 +124,12 @@ void JobBoard::progress(Job& job, std::string_view stage, double done) {
   constexpr double kEnoughToSay = 0.01;
   const std::lock_guard lock(mutex_);
   JobStatus& status = job.status;
-  const auto now = Clock::now();
   if (status.stage != stage) {
     status.stage = stage;
-    job.stage_began = now;
+    job.stage_began = Clock::now();
   }
-  const double stage_s = std::chrono::duration<double>(now - job.stage_began).count();
+  const double stage_s = seconds_since(job.stage_began);
   status.done = std::clamp(done, 0.0, 1.0);
-  status.elapsed_s = std::chrono::duration<double>(now - job.began).count();
   status.left_s = done > kEnoughToSay ? std::optional(stage_s * (1 - status.done) / done) : std::nullopt;
   status.changed = ++last_change_;
 }

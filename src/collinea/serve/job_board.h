@@ -73,14 +73,14 @@ class JobBoard {
 
   static constexpr std::size_t kMostWaiting = 32, kMostJobs = 200, kMostLines = 5000, kLongestLine = 2000;
 
-  /// `run`: its threads; its log takes every line, too.
+  /// `run`: its threads and spelling of options; its log and progress show those of every job, too.
   JobBoard(Work work, Run run);
   ~JobBoard();
   JobBoard(const JobBoard&) = delete;
   JobBoard& operator=(const JobBoard&) = delete;
 
-  /// Its number. Errors: too many are waiting.
-  [[nodiscard]] Result<std::uint64_t> add(JobRequest request);
+  /// Its number; nothing when kMostWaiting are waiting.
+  [[nodiscard]] std::optional<std::uint64_t> add(JobRequest request);
   /// One that waits is not begun, one in work stops as soon as it can. Whether it was waiting or in work.
   bool stop(std::uint64_t id);
 

@@ -52,6 +52,7 @@ TEST(JobBoard, JobsAreDoneInTheirOrderOneAtATime) {
 
 TEST(JobBoard, ProgressLogAndFindingsAreKept) {
   std::vector<std::string> console;
+  std::vector<std::pair<std::string, double>> shown;
   JobBoard board(
       [](const JobRequest&, const collinea::Run& run) -> Result<std::string> {
         run.say("begins");
@@ -59,7 +60,8 @@ TEST(JobBoard, ProgressLogAndFindingsAreKept) {
         run.say(std::string(2 * JobBoard::kLongestLine, 'x'));
         return std::string("[1]");
       },
-      {.log = [&](std::string_view line) { console.emplace_back(line); }, .threads = 3});
+      {.progress = [&](std::string_view stage, double done) { shown.emplace_back(stage, done); },
+       .log = [&](std::string_view line) { console.emplace_back(line); }});
   const auto id = board.add(request_named("a"));
   ASSERT_TRUE(id);
   const JobStatus status = wait_for(board, *id);
@@ -72,7 +74,54 @@ TEST(JobBoard, ProgressLogAndFindingsAreKept) {
   ASSERT_EQ(all.lines.size(), 2u);
   EXPECT_EQ(all.lines[0].text, "begins");
   EXPECT_EQ(all.lines[1].text.size(), JobBoard::kLongestLine);
-  EXPECT_EQ(console.front(), "begins");
+  EXPECT_EQ(console, (std::vector<std::string>{"begins", all.lines[1].text}));
+  EXPECT_EQ(shown, (std::vector<std::pair<std::string, double>>{{"detect", 0.5}}));
+}
+
+TEST(JobBoard, WorkHasTheThreadsOfTheBoard) {
+  std::atomic<int> threads = 0;
+  JobBoard board(
+      [&](const JobRequest&, const collinea::Run& run) -> Result<std::string> {
+        threads = run.threads;
+        return std::string("[]");
+      },
+      {.threads = 3});
+  wait_for(board, *board.add(request_named("a")));
+  EXPECT_EQ(threads, 3);
+}
+
+TEST(JobBoard, TheOldestLinesOfTheLogAreForgotten) {
+  JobBoard board(
+      [](const JobRequest&, const collinea::Run& run) -> Result<std::string> {
+        for (std::size_t i = 0; i < JobBoard::kMostLines + 10; ++i) run.say(std::to_string(i));
+        return std::string("[]");
+      },
+      {});
+  wait_for(board, *board.add(request_named("a")));
+  const JobChanges all = board.since(0);
+  ASSERT_EQ(all.lines.size(), JobBoard::kMostLines);
+  EXPECT_EQ(all.lines.front().text, "10");
+  EXPECT_EQ(all.lines.back().text, std::to_string(JobBoard::kMostLines + 9));
+}
+
+// Also of a job that reports nothing.
+TEST(JobBoard, TheTimeOfAJobInWorkIsThatOfTheQuestion) {
+  JobBoard board(until_stopped, {});
+  const std::uint64_t id = *board.add(request_named("a"));
+  const double first_s = wait_for(board, id, true).elapsed_s;
+  std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_GE(status_of(board, id).elapsed_s, first_s + 0.001);
+}
+
+TEST(JobBoard, AFailureNamesItsOptions) {
+  JobBoard board(
+      [](const JobRequest&, const collinea::Run&) -> Result<std::string> {
+        return fail(Errc::kBadInput, "which site?", {"area"_option});
+      },
+      {});
+  const std::uint64_t id = *board.add(request_named("a"));
+  EXPECT_EQ(wait_for(board, id).error, "which site? (option area)");
+  EXPECT_EQ(board.since(0).lines.at(0).text, "which site? (option area)");
 }
 
 TEST(JobBoard, OnlyWhatChangedComesAgain) {
@@ -114,15 +163,17 @@ TEST(JobBoard, AFailureIsOfOneJobAlone) {
       [](const JobRequest& request, const collinea::Run&) -> Result<std::string> {
         if (request.project.name == "bad") return fail(Errc::kBadInput, "no photographs");
         if (request.project.name == "defect") throw std::logic_error("broken promise");
+        if (request.project.name == "odd") throw 7;
         return std::string("[]");
       },
       {});
   const std::uint64_t bad = *board.add(request_named("bad")), defect = *board.add(request_named("defect")),
-                      good = *board.add(request_named("good"));
+                      odd = *board.add(request_named("odd")), good = *board.add(request_named("good"));
   EXPECT_EQ(wait_for(board, good).state, JobState::kDone);
   EXPECT_EQ(status_of(board, bad).state, JobState::kFailed);
   EXPECT_EQ(status_of(board, bad).error, "no photographs");
   EXPECT_EQ(status_of(board, defect).state, JobState::kFailed);
+  EXPECT_EQ(status_of(board, odd).state, JobState::kFailed);
   EXPECT_NE(status_of(board, defect).error.find("broken promise"), std::string::npos);
 }
 

@@ -82,14 +82,15 @@ std::shared_ptr<const OpenFile> OpenFile::in_project(const fs::path& folder, std
   fs::path path = root;
   for (const std::string& part : parts) path /= part;
   path = fs::canonical(path, error);
-  if (error || !is_beneath(path, root)) return nullptr;
+  const fs::path top = root / parts[0];
+  if (error || !is_beneath(path, top)) return nullptr;
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY);
   if (descriptor < 0) return nullptr;
   std::shared_ptr<OpenFile> file(new OpenFile(descriptor));
   struct stat about {};
   if (::fstat(descriptor, &about) != 0 || !S_ISREG(about.st_mode)) return nullptr;
   // A folder may have become a link since: what counts is where the file lies that was opened.
-  if (!is_beneath(path_of(descriptor), root)) return nullptr;
+  if (!is_beneath(path_of(descriptor), top)) return nullptr;
   file->size_ = static_cast<std::uint64_t>(about.st_size);
   file->tag_ =
       fmt::format("\"{:x}-{:x}-{:x}-{:x}\"", about.st_ino, about.st_size, about.st_mtim.tv_sec, about.st_mtim.tv_nsec);
@@ -109,11 +110,12 @@ std::vector<ProjectFile> files_of(const fs::path& folder) {
   std::vector<ProjectFile> files;
   std::error_code error;
   const fs::path root = fs::canonical(folder, error);
-  for (const std::string_view top : kFolders) {
-    for (fs::recursive_directory_iterator entry(root / top, error), end; !error && entry != end;
-         entry.increment(error)) {
+  if (error) return files;
+  for (const std::string_view name : kFolders) {
+    const fs::path top = root / name;
+    for (fs::recursive_directory_iterator entry(top, error), end; !error && entry != end; entry.increment(error)) {
       std::error_code failed;
-      const bool is_file = entry->is_regular_file(failed) && is_beneath(fs::canonical(entry->path(), failed), root);
+      const bool is_file = entry->is_regular_file(failed) && is_beneath(fs::canonical(entry->path(), failed), top);
       const auto bytes = is_file ? entry->file_size(failed) : 0;
       if (is_file && !failed) files.push_back({entry->path().lexically_relative(root).generic_string(), bytes});
     }

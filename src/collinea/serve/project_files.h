@@ -30,7 +30,7 @@ struct ServedProject {
 class OpenFile {
  public:
   /// The file of a project at parts of a path below its folder: what steps left in products, report, adjustment and
-  /// depth. Nothing when there is none, when it is no regular file, and when it lies outside the project, wherever
+  /// depth. Nothing when there is none, when it is no regular file, and when it lies outside that folder, wherever
   /// symbolic links lead.
   static std::shared_ptr<const OpenFile> in_project(const std::filesystem::path& folder,
                                                     std::span<const std::string> parts);

@@ -117,6 +117,29 @@ TEST(ProjectFiles, WhatIsListedOpens) {
   EXPECT_EQ(files[0].path, "products/dsm.tif");
   EXPECT_EQ(files[0].bytes, 10u);
   EXPECT_EQ(files[1].path, "products/tiles/a b.tif");
+  for (const ProjectFile& file : files) {
+    Parts parts;
+    for (const fs::path& part : fs::path(file.path)) parts.push_back(part.string());
+    const auto open = OpenFile::in_project(project, parts);
+    ASSERT_TRUE(open) << file.path;
+    EXPECT_EQ(open->size(), file.bytes);
+  }
+  EXPECT_TRUE(files_of(folder / "missing").empty());
+}
+
+// What a project keeps beside its products is not served by another name.
+TEST(ProjectFiles, LinksOutOfTheServedFoldersOpenNothing) {
+  const TestFolder folder;
+  const fs::path project = make_project(folder / "p");
+  fs::create_directories(project / "work");
+  ASSERT_TRUE(write_file(project / "work" / "tile", "tile"));
+  fs::create_symlink("../block.db", project / "products" / "database");
+  fs::create_directory_symlink("..", project / "products" / "up");
+  fs::create_directory_symlink("work", project / "report");
+  const std::vector<Parts> refused = {
+      {"products", "database"}, {"products", "up", "block.db"}, {"products", "up", "work", "tile"}, {"report", "tile"}};
+  for (const Parts& parts : refused) EXPECT_FALSE(opens(project, parts)) << ::testing::PrintToString(parts);
+  EXPECT_EQ(files_of(project).size(), 2u);
 }
 
 }  // namespace

@@ -110,8 +110,6 @@ std::string changes_json(const JobChanges& changes) {
   return text_of(all);
 }
 
-std::string error_json(std::string_view message) { return text_of({{"error", message}}); }
-
 std::string job_json(std::uint64_t id) { return text_of({{"job", id}}); }
 
 Result<JobRequest> job_request_in(std::string_view body) {

@@ -26,8 +26,6 @@ namespace collinea {
 /// {"number", "jobs": [...], "log": [{"job", "line"}]}.
 [[nodiscard]] std::string changes_json(const JobChanges& changes);
 
-/// {"error"}.
-[[nodiscard]] std::string error_json(std::string_view message);
 /// {"job"}.
 [[nodiscard]] std::string job_json(std::uint64_t id);
 

@@ -4,7 +4,9 @@
 #include <charconv>
 
 #include "collinea/project/settings_change.h"
+#include "collinea/report/error_text.h"
 #include "collinea/serve/internal/byte_range.h"
+#include "collinea/serve/internal/json_answer.h"
 #include "collinea/serve/internal/page.h"
 #include "collinea/serve/internal/target.h"
 #include "collinea/serve/options_json.h"
@@ -14,20 +16,34 @@
 namespace collinea {
 namespace {
 
-constexpr const char* kJson = "application/json";
-
-HttpResponse as_json(std::string text, int status = 200) {
-  return {.status = status, .type = kJson, .body = std::move(text)};
+// The HTTP status of each kind of failure.
+constexpr int http_status(Errc code) {
+  switch (code) {
+    case Errc::kBadInput:
+      return 400;
+    case Errc::kNotFound:
+      return 404;
+    case Errc::kBadFormat:
+    case Errc::kIllPosed:
+    case Errc::kNotConverged:
+      return 422;
+    case Errc::kUnsupported:
+      return 501;
+    case Errc::kCancelled:
+      return 409;
+  }
+  return 500;
 }
 
-HttpResponse as_json(const Result<std::string>& text) {
-  return text ? as_json(*text) : as_json(error_json(text.error().message), http_status(text.error().code));
-}
+// Options have their names, as in what is asked.
+HttpResponse failure(const Error& error) { return error_answer(http_status(error.code), text_of(error, {})); }
 
-HttpResponse not_found() { return as_json(error_json("there is nothing of this name"), 404); }
+HttpResponse outcome(const Result<std::string>& text) { return text ? json_answer(*text) : failure(text.error()); }
+
+HttpResponse not_found() { return error_answer(404, "there is nothing of this name"); }
 
 HttpResponse only(const std::string& methods) {
-  HttpResponse response = as_json(error_json("this is asked in another way: " + methods), 405);
+  HttpResponse response = error_answer(405, "this is asked in another way: " + methods);
   response.headers.emplace_back("Allow", methods);
   return response;
 }
@@ -53,7 +69,7 @@ HttpResponse file_response(const HttpRequest& request, const ServedProject& proj
   const ByteRange range = asked_range(whole ? "" : request.header("range"), file->size());
   const std::string size = std::to_string(file->size());
   if (range.kind == ByteRange::Kind::kUnsatisfiable) {
-    response = as_json(error_json("the file has no such range, or several were asked for"), 416);
+    response = error_answer(416, "the file has no such range, or several were asked for");
     response.headers.emplace_back("Content-Range", "bytes */" + size);
     return response;
   }
@@ -76,21 +92,24 @@ std::optional<std::uint64_t> number_of(std::string_view text) {
 }
 
 HttpResponse new_job(const HttpRequest& request, const ServedProject& project, Site& site) {
-  if (!request.header("content-type").starts_with(kJson))
-    return as_json(error_json("a job is described as application/json"), 415);
-  Result<std::string> made = [&]() -> Result<std::string> {
+  if (!request.header("content-type").starts_with("application/json"))
+    return error_answer(415, "a job is described as application/json");
+  Result<JobRequest> asked = [&]() -> Result<JobRequest> {
     COLLINEA_TRY(JobRequest job, job_request_in(request.body));
     COLLINEA_TRY(const Settings settings, read_settings(project.folder));
     COLLINEA_TRY([[maybe_unused]] const Settings changed, changed_settings(settings, job.options));
     job.project = project;
-    COLLINEA_TRY(const std::uint64_t id, site.board.add(std::move(job)));
-    return job_json(id);
+    return job;
   }();
-  return made ? as_json(*made, 202) : as_json(made);
+  if (!asked) return failure(asked.error());
+  const auto id = site.board.add(*std::move(asked));
+  if (!id)
+    return error_answer(503, std::to_string(JobBoard::kMostWaiting) + " jobs are waiting: stop some, or ask later");
+  return json_answer(job_json(*id), 202);
 }
 
 HttpResponse settings_of(const ServedProject& project) {
-  return as_json(read_settings(project.folder).map([](const Settings& settings) { return settings_text(settings); }));
+  return outcome(read_settings(project.folder).map([](const Settings& settings) { return settings_text(settings); }));
 }
 
 // Below /api/projects/ID.
@@ -99,7 +118,7 @@ HttpResponse project_response(const HttpRequest& request, const Target& target, 
   if (!project) return not_found();
   const std::string what = target.path.size() > 3 ? target.path[3] : "";
   const bool reads = request.method != "POST";
-  if (target.path.size() == 3) return reads ? as_json(project_json(*project)) : only("GET");
+  if (target.path.size() == 3) return reads ? outcome(project_json(*project)) : only("GET");
   if (what == "files") {
     if (!reads) return only("GET");
     return file_response(request, *project, std::span(target.path).subspan(4));
@@ -112,7 +131,7 @@ HttpResponse project_response(const HttpRequest& request, const Target& target, 
 
 HttpResponse stop_job(const std::string& id, JobBoard& board) {
   const auto number = number_of(id);
-  return number && board.stop(*number) ? as_json(std::string("{}")) : not_found();
+  return number && board.stop(*number) ? json_answer(std::string("{}")) : not_found();
 }
 
 HttpResponse api_response(const HttpRequest& request, const Target& target, Site& site) {
@@ -122,9 +141,9 @@ HttpResponse api_response(const HttpRequest& request, const Target& target, Site
   if (what == "jobs" && target.path.size() == 4 && target.path[3] == "stop")
     return reads ? only("POST") : stop_job(target.path[2], site.board);
   if (target.path.size() != 2) return not_found();
-  if (what == "projects") return reads ? as_json(projects_json(find_projects(site.roots))) : only("GET");
-  if (what == "options") return reads ? as_json(options_json()) : only("GET");
-  if (what == "jobs") return reads ? as_json(changes_json(site.board.since(0))) : only("GET");
+  if (what == "projects") return reads ? json_answer(projects_json(find_projects(site.roots))) : only("GET");
+  if (what == "options") return reads ? json_answer(options_json()) : only("GET");
+  if (what == "jobs") return reads ? json_answer(changes_json(site.board.since(0))) : only("GET");
   return not_found();
 }
 
@@ -150,7 +169,7 @@ HttpResponse answer(const HttpRequest& request, Site& site) {
       }
   }
   if (auto refused = site.access.refusal(request)) return *refused;
-  if (!target) return as_json(error_json("the address cannot be read"), 400);
+  if (!target) return error_answer(400, "the address cannot be read");
   if (request.method != "GET" && request.method != "HEAD" && request.method != "POST") return only("GET, HEAD, POST");
   if (!target->path.empty() && target->path[0] == "api") return api_response(request, *target, site);
   return page_response(request, *target);

@@ -40,23 +40,4 @@ inline constexpr std::string_view kEventsPath = "/api/events";
 /// Headers that every answer has: what pages may load, and that nobody guesses types.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> guarding_headers(bool is_project_file);
 
-/// The HTTP status of each kind of failure.
-[[nodiscard]] constexpr int http_status(Errc code) {
-  switch (code) {
-    case Errc::kBadInput:
-      return 400;
-    case Errc::kNotFound:
-      return 404;
-    case Errc::kBadFormat:
-    case Errc::kIllPosed:
-    case Errc::kNotConverged:
-      return 422;
-    case Errc::kUnsupported:
-      return 501;
-    case Errc::kCancelled:
-      return 409;
-  }
-  return 500;
-}
-
 }  // namespace collinea

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
+#include "collinea/report/error_text.h"
 #include "collinea/serve/internal/open_link.h"
 #include "collinea/serve/server.h"
 #include "collinea/serve/step_job.h"
@@ -13,11 +15,9 @@
 namespace collinea {
 namespace {
 
-bool is_loopback(const std::string& address) { return address == "::1" || address.starts_with("127."); }
-
 // As it stands in a URL.
-std::string host_of(const std::string& address) {
-  return address.find(':') == std::string::npos ? address : "[" + address + "]";
+std::string host_of(const ServerAddress& address) {
+  return address.text.find(':') == std::string::npos ? address.text : "[" + address.text + "]";
 }
 
 std::string name_of_machine() {
@@ -25,9 +25,9 @@ std::string name_of_machine() {
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
 }
 
-ServerNames names_of(const std::string& address, int port) {
+ServerNames names_of(const ServerAddress& address, int port) {
   ServerNames names{.port = port};
-  names.any_address = address == "0.0.0.0" || address == "::";
+  names.any_address = address.is_unspecified;
   if (names.any_address) {
     std::string machine = name_of_machine();
     std::transform(machine.begin(), machine.end(), machine.begin(),
@@ -53,24 +53,33 @@ Result<> check_folders(std::vector<std::filesystem::path>& roots) {
 
 }  // namespace
 
-Result<> serve(std::vector<std::filesystem::path> roots, const ServeOptions& options, const Run& run) {
+Result<> serve(std::vector<std::filesystem::path> roots, const ServeOptions& options, const Run& run,
+               const std::function<void(std::string_view line)>& show) {
   COLLINEA_TRY(validate(options));
   COLLINEA_TRY(check_folders(roots));
-  const std::string address = options.listen.value_or("127.0.0.1");
-  COLLINEA_TRY(Server server, Server::listen(address, options.port));
-  const ServerNames names = names_of(address, server.port());
-  Access access(names);
+  COLLINEA_TRY(Server server, Server::listen(options.listen.value_or("127.0.0.1"), options.port));
+  const ServerAddress& address = server.address();
+  Access access(names_of(address, server.port()));
   const std::string host =
-      "http://" + (names.any_address ? "127.0.0.1" : host_of(address)) + ":" + std::to_string(server.port());
-  if (!is_loopback(address))
+      "http://" + (address.is_unspecified ? "127.0.0.1" : host_of(address)) + ":" + std::to_string(server.port());
+  if (!address.is_loopback)
     run.say(
         "warning: other machines can reach this server. What it sends and its link are not encrypted, and who has "
         "the link can run steps and read what they read. A tunnel (ssh -L) from the other machine is safer.");
-  run.say(std::to_string(find_projects(roots).size()) + " projects; open " + host + access.link());
-  JobBoard board(run_step_job, run);
+  show(std::to_string(find_projects(roots).size()) + " projects; open " + host + access.link());
+  Run of_jobs = run;
+  of_jobs.spelling = {};  // their options have names, as forms and requests do
+  JobBoard board(run_step_job, of_jobs);
   Site site{std::move(roots), access, board,
-            [&] { run.say("a browser came in; the link for another one: " + host + access.link()); }};
-  if (options.open) COLLINEA_TRY(open_link(host + access.link()));
+            [&] { show("a browser came in; the link for another one: " + host + access.link()); }};
+  std::optional<OpenedLink> opened;
+  if (options.open) {
+    auto outcome = OpenedLink::open(host + access.link());
+    if (outcome)
+      opened.emplace(*std::move(outcome));
+    else  // the link can be opened by hand
+      run.say("warning: " + text_of(outcome.error(), run.spelling));
+  }
   server.run(site, run.stop);
   return {};
 }

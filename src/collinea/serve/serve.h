@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "collinea/base/options.h"
@@ -28,7 +30,9 @@ struct ServeOptions {
 };
 
 /// Serves projects, and those in these folders, to browsers until a stop is requested; nothing given: the folder that
-/// it is started in. A line of the log has the link. Errors: a folder that is not there, a port that cannot be had.
-[[nodiscard]] Result<> serve(std::vector<std::filesystem::path> roots, const ServeOptions& options, const Run& run);
+/// it is started in. `show` takes the lines that have a link, from any thread. Errors: a folder that is not there, a
+/// port that cannot be had.
+[[nodiscard]] Result<> serve(std::vector<std::filesystem::path> roots, const ServeOptions& options, const Run& run,
+                             const std::function<void(std::string_view line)>& show);
 
 }  // namespace collinea

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/serve/server.h"
 
+#include <fcntl.h>
+
 #include <utility>  // Boost 1.74 uses std::exchange without it
 
 #include <algorithm>
@@ -13,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "collinea/serve/internal/json_answer.h"
 #include "collinea/serve/project_files.h"
 #include "collinea/serve/project_json.h"
 
@@ -54,7 +57,8 @@ class Seat {
 
 auto completion(error_code& error) { return net::redirect_error(net::use_awaitable, error); }
 
-HttpRequest plain(http::request<http::string_body>&& message) {
+// Takes the body out of the message.
+HttpRequest plain(http::request<http::string_body>& message) {
   HttpRequest request;
   request.method = std::string(message.method_string());
   request.target = std::string(message.target());
@@ -75,7 +79,9 @@ HttpResponse answer_guarded(const HttpRequest& request, Site& site) {
   try {
     return answer(request, site);
   } catch (const std::exception& error) {  // one request that goes wrong is no end of the server
-    return {.status = 500, .body = std::string("defect in the program: ") + error.what() + "\n"};
+    return error_answer(500, std::string("defect in the program: ") + error.what());
+  } catch (...) {
+    return error_answer(500, "defect in the program");
   }
 }
 
@@ -133,6 +139,18 @@ net::awaitable<bool> send(beast::tcp_stream& stream, const HttpResponse& respons
 
 using Socket = websocket::stream<beast::tcp_stream>;
 
+/// Closes a socket when its writer ends, in whatever way: its reader then ends, too.
+class Closing {
+ public:
+  explicit Closing(std::shared_ptr<Socket> socket) : socket_(std::move(socket)) {}
+  ~Closing() { beast::get_lowest_layer(*socket_).close(); }
+  Closing(const Closing&) = delete;
+  Closing& operator=(const Closing&) = delete;
+
+ private:
+  std::shared_ptr<Socket> socket_;
+};
+
 /// Reads, and throws away, what a client says: that it closes shows here.
 net::awaitable<void> listen_to(std::shared_ptr<Socket> socket, std::shared_ptr<bool> open) {
   error_code error;
@@ -151,6 +169,7 @@ net::awaitable<void> send_events(beast::tcp_stream stream, http::request<http::s
   std::uint64_t number = asked_since(std::string(message.target()));
   stream.expires_never();  // WebSockets have times of their own
   auto socket = std::make_shared<Socket>(std::move(stream));
+  const Closing closing(socket);
   socket->set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
   socket->read_message_max(1024);
   co_await socket->async_accept(message, completion(error));
@@ -173,7 +192,6 @@ net::awaitable<void> send_events(beast::tcp_stream stream, http::request<http::s
     error_code ignored;
     if (!error) co_await timer.async_wait(completion(ignored));
   }
-  beast::get_lowest_layer(*socket).close();
 }
 
 bool wants_events(const http::request<http::string_body>& message) {
@@ -204,15 +222,14 @@ net::awaitable<void> serve_connection(tcp::socket accepted, std::shared_ptr<Shar
     stream.expires_after(std::chrono::seconds(limits.idle_s));
     co_await http::async_read(stream, buffer, parser, completion(error));
     if (error) {
-      const HttpResponse response{.status = status_of(error), .body = "The request cannot be read.\n"};
+      const HttpResponse response = error_answer(status_of(error), "the request cannot be read");
       if (response.status != 0) co_await send(stream, response, limits, 11, false, false);
       break;
     }
     auto message = parser.release();
     const unsigned version = message.version();
-    const bool keep_alive = message.keep_alive(), head_only = message.method() == http::verb::head;
-    const bool events = wants_events(message);
-    const HttpRequest request = plain(http::request<http::string_body>(message));
+    const bool head_only = message.method() == http::verb::head, events = wants_events(message);
+    const HttpRequest request = plain(message);
     HttpResponse response;
     if (events) {
       auto refused = shared->site.access.refusal(request);
@@ -224,10 +241,19 @@ net::awaitable<void> serve_connection(tcp::socket accepted, std::shared_ptr<Shar
     } else {
       response = answer_guarded(request, shared->site);
     }
+    // Who may not come in does not keep a seat.
+    const bool keep_alive = message.keep_alive() && response.status != 401 && response.status != 403;
     const bool sent = co_await send(stream, response, limits, version, keep_alive, head_only);
     if (!sent || !keep_alive) break;
   }
   co_await close_gently(stream);
+}
+
+ServerAddress address_of(net::ip::address address) {
+  if (address.is_v6() && address.to_v6().is_v4_mapped())
+    address = net::ip::make_address_v4(net::ip::v4_mapped, address.to_v6());
+  const std::string text = address.to_string();
+  return {text.substr(0, text.find('%')), address.is_loopback(), address.is_unspecified()};
 }
 
 net::awaitable<void> accept_all(net::io_context& context, tcp::acceptor& acceptor, std::shared_ptr<Shared> shared) {
@@ -242,6 +268,7 @@ net::awaitable<void> accept_all(net::io_context& context, tcp::acceptor& accepto
       continue;
     }
     if (shared->connections >= shared->limits.connections) continue;  // closed by its end
+    socket.set_option(tcp::no_delay(true), error);                    // head and body go out one after the other
     net::co_spawn(strand, serve_connection(std::move(socket), shared, std::make_shared<const Seat>(shared)),
                   net::detached);
   }
@@ -253,6 +280,7 @@ struct Server::State {
   net::io_context context{kIoThreads};
   tcp::acceptor acceptor{context};
   ServerLimits limits;
+  ServerAddress address;
   int port = 0;
 };
 
@@ -260,6 +288,7 @@ Server::Server() : state_(std::make_unique<State>()) {}
 Server::Server(Server&&) noexcept = default;
 Server::~Server() = default;
 int Server::port() const { return state_->port; }
+const ServerAddress& Server::address() const { return state_->address; }
 
 Result<Server> Server::listen(const std::string& address, int port, const ServerLimits& limits) {
   error_code error;
@@ -271,6 +300,7 @@ Result<Server> Server::listen(const std::string& address, int port, const Server
   tcp::acceptor& acceptor = server.state_->acceptor;
   const tcp::endpoint endpoint(parsed, static_cast<std::uint16_t>(port));
   acceptor.open(endpoint.protocol(), error);
+  if (!error) ::fcntl(acceptor.native_handle(), F_SETFD, FD_CLOEXEC);  // the port is not for programs started here
   if (!error) acceptor.set_option(net::socket_base::reuse_address(true), error);
   if (!error) acceptor.bind(endpoint, error);
   if (!error) acceptor.listen(net::socket_base::max_listen_connections, error);
@@ -279,6 +309,7 @@ Result<Server> Server::listen(const std::string& address, int port, const Server
                 "port " + std::to_string(port) + " of " + address + " cannot be had: " + error.message(),
                 {"port"_option});
   server.state_->port = acceptor.local_endpoint().port();
+  server.state_->address = address_of(acceptor.local_endpoint().address());
   server.state_->limits = limits;
   return server;
 }

@@ -16,7 +16,14 @@ struct ServerLimits {
   int connections = 64;  ///< at once; further ones are closed
   int header_bytes = 16 * 1024;
   int body_bytes = 64 * 1024;
-  int idle_s = 30;  ///< without a byte sent or received
+  int idle_s = 30;  ///< until a request has come whole, and for each 256 KiB of an answer to go
+};
+
+/// Where a server listens.
+struct ServerAddress {
+  std::string text;             ///< in the shortest form, without a zone: "127.0.0.1", "::1"
+  bool is_loopback = false;     ///< of this machine alone
+  bool is_unspecified = false;  ///< of all interfaces
 };
 
 /// The only user of Boost.Beast: it reads and writes HTTP/1.1 and WebSockets; what is answered, `answer` says.
@@ -26,6 +33,7 @@ class Server {
   /// allowed.
   static Result<Server> listen(const std::string& address, int port, const ServerLimits& limits = {});
   [[nodiscard]] int port() const;
+  [[nodiscard]] const ServerAddress& address() const;
 
   /// Answers until a stop is requested.
   void run(Site& site, std::stop_token stop);

@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "collinea/project/settings_change.h"
+#include "collinea/report/error_text.h"
 #include "collinea/serve/project_json.h"
 #include "collinea/steps/flow.h"
 
@@ -29,7 +30,7 @@ Result<std::string> run_step_job(const JobRequest& request, const Run& run) {
   COLLINEA_TRY(Project project, create_project(folder, settings, logged));
   file.open(folder / "log.txt", std::ios::app);
   const Result<> done = bring_up_to(project, request.step);
-  if (!done && file.is_open()) file << "error: " << done.error().message << "\n";
+  if (!done && file.is_open()) file << "error: " << text_of(done.error(), run.spelling) << "\n";
   COLLINEA_TRY(done);
   return project_findings(project.store);
 }

@@ -41,10 +41,17 @@ TEST_F(StepJob, AStepIsDoneWithOptionsAndShown) {
   }
 
   // Who works on the project keeps others out; what is asked wrongly changes nothing.
-  const auto at_work = create_project(project.folder, *read_settings(project.folder), {});
-  ASSERT_TRUE(at_work);
-  EXPECT_FALSE(run_step_job({project, Step::kDetect}, {}));
-  EXPECT_FALSE(run_step_job({project, Step::kDetect, R"({"verify": {"min_inliers": 1}})"}, {}));
+  {
+    const auto at_work = create_project(project.folder, *read_settings(project.folder), {});
+    ASSERT_TRUE(at_work);
+    const auto kept_out = run_step_job({project, Step::kDetect}, {});
+    ASSERT_FALSE(kept_out);
+    EXPECT_NE(kept_out.error().message.find("another collinea is at work"), std::string::npos)
+        << kept_out.error().message;
+  }
+  const auto wrong = run_step_job({project, Step::kDetect, R"({"verify": {"min_inliers": 1}})"}, {});
+  ASSERT_FALSE(wrong);
+  EXPECT_NE(wrong.error().message.find("min_inliers = 1 is out of range"), std::string::npos) << wrong.error().message;
   EXPECT_EQ(read_settings(project.folder)->verify.min_inliers, 20);
 }
 

@@ -6,6 +6,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdint>
 #include <cstdlib>
 #include <optional>
@@ -44,6 +45,11 @@ class Connection {
   Connection& operator=(const Connection&) = delete;
 
   [[nodiscard]] bool connected() const { return connected_; }
+  /// The other end has not closed, and nothing has come that was not read.
+  [[nodiscard]] bool open() const {
+    char byte = 0;
+    return ::recv(socket_, &byte, 1, MSG_PEEK | MSG_DONTWAIT) < 0 && (errno == EAGAIN || errno == EWOULDBLOCK);
+  }
 
   /// Sends what the other end takes.
   void send(std::string_view text) const {

@@ -100,4 +100,27 @@ void options_from_json(const nlohmann::json& j, const std::string& group, Option
       throw std::invalid_argument("options." + group + "." + name + ": there is no such option");
 }
 
+// All of project.json. Settings list their groups of options by each().
+template <class Settings>
+nlohmann::json settings_to_json(const Settings& settings) {
+  nlohmann::json j = {{"photos", settings.photos}, {"seed", settings.seed}, {"options", nlohmann::json::object()}};
+  Settings::each(settings, [&](const char*, const char* group, const auto& options) {
+    j["options"][group] = options_to_json(options);
+  });
+  return j;
+}
+
+// Reads the groups that are given, those of "options" in project.json. Throws what the reader of the file turns into
+// words.
+template <class Settings>
+void groups_from_json(const nlohmann::json& options, Settings& settings) {
+  std::set<std::string> known;
+  Settings::each(settings, [&](const char*, const char* group, auto& group_options) {
+    known.insert(group);
+    if (options.contains(group)) options_from_json(options.at(group), group, group_options);
+  });
+  for (const auto& [group, values] : options.items())
+    if (!known.contains(group)) throw std::invalid_argument("options." + group + ": there is no such group of options");
+}
+
 }  // namespace collinea

@@ -2,7 +2,8 @@
 // The plain page of `collinea serve`: what the server knows, as text and tables. Nothing from a project becomes markup.
 "use strict";
 
-const state = { projects: [], project: null, options: [], form: null, jobs: new Map(), log: [], number: 0 };
+// Forms are kept, as they were left, by project and step.
+const state = { projects: [], project: null, options: [], forms: new Map(), jobs: new Map(), log: [], number: 0 };
 const byId = (id) => document.getElementById(id);
 
 function element(name, properties = {}, ...children) {
@@ -16,8 +17,8 @@ async function ask(path, body) {
     ? {}
     : { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) };
   const response = await fetch(path, how);
-  const answer = await response.json();
-  if (!response.ok) throw new Error(answer.error || response.statusText);
+  const answer = await response.json().catch(() => ({}));
+  if (!response.ok) throw Object.assign(new Error(answer.error || response.statusText), { status: response.status });
   return answer;
 }
 
@@ -42,9 +43,20 @@ function showProjects() {
 }
 
 async function choose(id) {
+  const before = state.project && state.project.id;
   state.project = await ask("/api/projects/" + id);
   location.hash = id;
+  if (before !== id) byId("form").replaceChildren();
   showProjects();
+  showProject();
+}
+
+// The form stays as it is.
+async function refresh() {
+  const id = state.project.id;
+  const project = await ask("/api/projects/" + id);
+  if (state.project.id !== id) return;  // another one was chosen meanwhile
+  state.project = project;
   showProject();
 }
 
@@ -72,12 +84,12 @@ function showProject() {
   const project = state.project;
   const facts = `${project.images} images (${project.oriented} oriented), ${project.cameras} cameras, ` +
     (project.crs ? project.crs : "local frame");
-  byId("project").replaceChildren(
+  byId("steps").replaceChildren(
     element("h2", { textContent: project.name }),
     element("div", { textContent: facts }),
     element("h2", { textContent: "Steps" }),
-    element("table", {}, ...project.steps.map(stepRow)),
-    element("div", { id: "form" }),
+    element("table", {}, ...project.steps.map(stepRow)));
+  byId("made").replaceChildren(
     element("h2", { textContent: "Findings" }),
     project.findings.length ? element("ul", {}, ...project.findings.map(findingItem)) : element("div", { textContent: "none" }),
     element("h2", { textContent: "Products" }),
@@ -86,26 +98,42 @@ function showProject() {
 
 const kept = (value) => (value === null || value === undefined ? "" : String(value));
 
+function choicesOf(option) {
+  const words = option.kind === "word" ? option.choices : [{ word: "true", meaning: "yes" }, { word: "false", meaning: "no" }];
+  const standard = kept(option.default);  // perhaps nothing, to which it can be set back
+  return words.some((choice) => choice.word === standard) ? words : [{ word: standard, meaning: option.automatic }, ...words];
+}
+
 function control(option, value) {
   if (option.kind === "flag" && typeof option.default === "boolean")
     return element("input", { type: "checkbox", checked: value === true });
   if (option.kind === "word" || option.kind === "flag") {
-    const words = option.kind === "word" ? option.choices : [{ word: "true", meaning: "yes" }, { word: "false", meaning: "no" }];
+    const words = choicesOf(option);
     const known = words.some((choice) => choice.word === kept(value));
-    const select = element("select", {}, ...(known ? [] : [element("option", { value: kept(value), textContent: kept(value) })]),
-      ...words.map((choice) =>
-        element("option", { value: choice.word, textContent: choice.meaning ? `${choice.word}: ${choice.meaning}` : choice.word })));
+    const select = element("select", {}, ...(known ? words : [{ word: kept(value) }, ...words]).map((choice) =>
+      element("option", { value: choice.word, textContent: choice.meaning ? `${choice.word}: ${choice.meaning}` : choice.word })));
     select.value = kept(value);
     return select;
   }
   return element("input", { type: "text", value: kept(value) });
 }
 
+function boundsOf({ min, max }) {
+  if (min === undefined) return max === undefined ? "" : `at most ${max}`;
+  return max === undefined ? `at least ${min}` : `${min} to ${max}`;
+}
+
+function helpOf(option) {
+  const more = [boundsOf(option), option.kind === "word_or_text" ? option.choices.map((choice) => choice.word).join(" | ") : ""];
+  const text = more.filter(Boolean).join("; ");
+  return text ? `${option.help} (${text})` : option.help;
+}
+
 function valueOf(option, input) {
   if (input.type === "checkbox") return input.checked;
   const text = input.value.trim();
   if (text === "") return typeof option.default === "string" && option.default !== "auto" ? "" : null;
-  if (option.kind === "flag") return text === "true";
+  if (option.kind === "flag" && text !== "auto") return text === "true";
   if ((option.kind === "number" || option.kind === "whole") && text !== "auto") {
     const value = Number(text);
     if (!Number.isFinite(value)) throw new Error(`${option.name}: "${text}" is no number`);
@@ -114,36 +142,55 @@ function valueOf(option, input) {
   return text;
 }
 
-async function showForm(step) {
-  const settings = await ask(`/api/projects/${state.project.id}/settings`);
+// What is not as the settings have it, by groups.
+function changesIn(inputs) {
+  const options = {};
+  for (const { group, option, input, value } of inputs) {
+    const now = valueOf(option, input);
+    if (now !== value) (options[group] ||= {})[option.name] = now;
+  }
+  return options;
+}
+
+const shownIn = (input) => (input.type === "checkbox" ? input.checked : input.value);
+const isEdited = (form) => form.inputs.some((one) => shownIn(one.input) !== one.shown);
+
+function newForm(project, step, settings) {
   const inputs = [];
   const groups = state.options.filter((group) => group.step === step).map((group) =>
     element("fieldset", {}, element("legend", { textContent: group.group }), element("table", {}, ...group.options.map((option) => {
       const value = settings.options[group.group][option.name];
       const input = control(option, value);
-      inputs.push({ group: group.group, option, input, value });
+      inputs.push({ group: group.group, option, input, value, shown: shownIn(input) });
       const unit = option.unit && option.unit !== "1" ? ` [${option.unit}]` : "";
       return element("tr", {}, element("td", { textContent: option.name + unit }), element("td", {}, input),
-        element("td", { className: "help", textContent: option.help }));
+        element("td", { className: "help", textContent: helpOf(option) }));
     }))));
-  const changed = () => {
-    const options = {};
-    for (const { group, option, input, value } of inputs) {
-      const now = valueOf(option, input);
-      if (now !== value) (options[group] ||= {})[option.name] = now;
-    }
-    return options;
+  const start = async () => {
+    await run(step, changesIn(inputs));
+    for (const one of inputs) one.shown = shownIn(one.input);  // no longer unsaved
   };
-  byId("form").replaceChildren(element("h2", { textContent: "Options of " + step }), ...groups,
-    element("button", { textContent: "run to here with these", onclick: () => Promise.resolve().then(() => run(step, changed())).catch(complain) }));
+  return { inputs, nodes: [element("h2", { textContent: "Options of " + step }), ...groups,
+    element("button", { textContent: "run to here with these", onclick: () => start().catch(complain) })] };
+}
+
+async function showForm(step) {
+  const project = state.project.id;
+  const key = `${project}/${step}`;
+  const settings = await ask(`/api/projects/${project}/settings`);
+  if (state.project.id !== project) return;
+  if (!state.forms.has(key) || !isEdited(state.forms.get(key))) state.forms.set(key, newForm(project, step, settings));
+  byId("form").replaceChildren(...state.forms.get(key).nodes);
 }
 
 async function run(step, options) {
   await ask(`/api/projects/${state.project.id}/jobs`, { step, options });
 }
 
+const isOver = (job) => !["queued", "running"].includes(job.state);
+
 function jobRow(job) {
-  const over = !["queued", "running"].includes(job.state);
+  const over = isOver(job);
   const left = job.left_s === null ? "" : timeText(job.left_s) + " left";
   return element("tr", {},
     element("td", { textContent: `${job.name}: ${job.step}` }),
@@ -173,19 +220,30 @@ function follow() {
     let ended = false;
     for (const job of changes.jobs) {
       const before = state.jobs.get(job.id);
-      ended ||= before && before.state === "running" && job.state !== "running" && state.project && job.project === state.project.id;
+      ended ||= isOver(job) && !(before && isOver(before)) && state.project && job.project === state.project.id;
       state.jobs.set(job.id, job);
     }
     state.log.push(...changes.log.map((line) => line.line));
     showJobs();
     if (changes.log.length) showLog();
-    if (ended) choose(state.project.id).catch(complain);
+    if (ended) refresh().catch(complain);
   };
   socket.onclose = () => {
     byId("connection").textContent = "not connected";
     Object.assign(state, { jobs: new Map(), log: [], number: 0 });  // another server counts from 0
-    setTimeout(follow, 2000);
+    setTimeout(followAgain, 2000);
   };
+}
+
+// A WebSocket does not say why it was refused; an ordinary request does.
+async function followAgain() {
+  try {
+    await ask("/api/projects");
+    follow();
+  } catch (error) {
+    if (error.status === 401 || error.status === 403) complain(error);
+    else setTimeout(followAgain, 2000);
+  }
 }
 
 async function start() {
