@@ -20,6 +20,7 @@ test: configured
 	@python3 tools/check_numbers.py
 	@echo "== manual"
 	@python3 tools/manual_options.py --check
+	@python3 tools/figures.py --check
 	@echo "== tests"
 	@ctest --preset release -j 2
 

@@ -151,7 +151,7 @@ std::optional<MatrixXd> inverse_normals(const Equations& e) {
   const VectorXd scale = design.colwise().norm();
   // A lever of less than a thousandth of the marks' distances is how they were read, nothing that determines.
   if (!((scale - kLeastLever * e.reach).minCoeff() > 0)) return std::nullopt;
-  if (!(scale.minCoeff() > 0) || !scale.allFinite()) return std::nullopt;
+  if (!scale.allFinite()) return std::nullopt;
   const MatrixXd scaled = design * scale.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scaled.transpose() * scaled);
   if (!(eigen.eigenvalues()[0] > 1e-10 * eigen.eigenvalues()[scale.size() - 1])) return std::nullopt;

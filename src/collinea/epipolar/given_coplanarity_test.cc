@@ -82,8 +82,8 @@ TEST(GivenCoplanarity, ABaseAlongTheViewHasItsConditionToo) {
 }
 
 // A change of the motion by `step` changes the condition as its derivative says, which is what sigma holds of the
-// elements; the shortest change of the coordinates makes the rays meet (quadratic terms of 1e-4 are 1e-8).
-TEST(GivenCoplanarity, SigmaAndGapFollowTheCondition) {
+// elements.
+TEST(GivenCoplanarity, SigmaFollowsTheCondition) {
   Random random(3);
   const std::array<Rigid3, 2> poses{pose_at({0, 0, 0}, {0, 0, 0}), pose_at({80, 10, -5}, {0.05, -0.1, 0.2})};
   auto points = measured(poses, 6, 1e-4, random);
@@ -101,8 +101,31 @@ TEST(GivenCoplanarity, SigmaAndGapFollowTheCondition) {
     for (std::size_t i = 0; i < points.size(); ++i)
       EXPECT_NEAR(here[i].sigma, std::abs(more[i].symmetric - less[i].symmetric) / 2, 1e-9 * step + 1e-11);
   }
-  for (const PointCoplanarity& one : given_coplanarity(points, poses, Matrix5::Zero()).points)
-    EXPECT_LT(std::abs(one.gap), 6e-4);  // of coordinates with sigmas of 1e-4: a normal variable, six of them
+}
+
+// The gap, taken off along the gradient of the condition by the four coordinates, makes the rays meet but for what is
+// of second order: the condition is linear in the coordinates of either ray, what is left is d1' E d2 with the
+// changes d1, d2 of both and E of a unit base, thus gap^2 / 2 at most. Rounding: some 1e-16 of coordinates of 1.
+TEST(GivenCoplanarity, TheGapIsTheShortestWayToRaysThatMeet) {
+  Random random(3);
+  const std::array<Rigid3, 2> poses{pose_at({0, 0, 0}, {0, 0, 0}), pose_at({80, 10, -5}, {0.05, -0.1, 0.2})};
+  for (const double noise : {1e-4, 1e-2})
+    for (const PairPoint& point : measured(poses, 20, noise, random)) {
+      const auto moved = [&](const Eigen::Vector4d& by) {
+        PairPoint at = point;
+        at.first += by.head<2>();
+        at.second += by.tail<2>();
+        return given_coplanarity(std::span(&at, 1), poses, Matrix5::Zero()).points[0];
+      };
+      const PointCoplanarity here = moved(Eigen::Vector4d::Zero());
+      Eigen::Vector4d gradient;  // central differences of what is linear in each: exact
+      for (int k = 0; k < 4; ++k)
+        gradient(k) =
+            (moved(0.1 * Eigen::Vector4d::Unit(k)).symmetric - moved(-0.1 * Eigen::Vector4d::Unit(k)).symmetric) / 0.2;
+      const double left = moved(-here.gap * gradient.normalized()).symmetric;
+      EXPECT_LE(std::abs(left), here.gap * here.gap / 2 + 1e-15);
+      EXPECT_GT(std::abs(here.symmetric), 4 * here.gap * here.gap);  // far more than what is left
+    }
 }
 
 // Elements and measurements with errors of their sigmas: n sigma0^2 is chi-squared with n degrees, 12 in the mean with

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collinea/feature/edge_correlation.h"
+
 namespace collinea {
 namespace {
 
@@ -15,9 +17,9 @@ constexpr double kReach = 5;        // of correlations, times along
 
 double covariance_of(const EdgePoint& p, const EdgePoint& q, double along_px) {
   if (&p == &q) return p.sigma_px * p.sigma_px;
-  const double along = std::max(along_px, 1e-3), squared = (p.at - q.at).squaredNorm();
-  if (squared > kReach * kReach * along * along) return 0;
-  return p.sigma_px * q.sigma_px * std::exp(-squared / (4 * along * along)) * std::max(0.0, p.normal.dot(q.normal));
+  const double reach = kReach * std::max(along_px, 1e-3);
+  if ((p.at - q.at).squaredNorm() > reach * reach) return 0;
+  return p.sigma_px * q.sigma_px * edge_correlation(p, q, along_px);
 }
 
 Curve curve_of(std::span<const EdgePoint> edge) {

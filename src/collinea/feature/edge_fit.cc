@@ -8,6 +8,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "collinea/feature/edge_correlation.h"
 #include "collinea/math/fisher.h"
 
 namespace collinea {
@@ -49,8 +50,7 @@ Spread spread_of(std::span<const EdgePoint> points, double along_px, const Matri
     for (std::size_t j = i + 1; j < order.size(); ++j) {
       const EdgePoint& q = points[order[j]];
       if (q.at[axis] - p.at[axis] > reach) break;
-      const double correlation =
-          std::exp(-(q.at - p.at).squaredNorm() / (4 * along_px * along_px)) * std::max(0.0, p.normal.dot(q.normal));
+      const double correlation = edge_correlation(p, q, along_px);
       const auto other = weighted.row(Eigen::Index(order[j]));
       out.moments += correlation * (row.transpose() * other + other.transpose() * row);
       out.squared_correlations += 2 * correlation * correlation;

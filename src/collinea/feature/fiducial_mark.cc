@@ -256,20 +256,23 @@ std::optional<Match> finished(const Window& w, const Placement& at, const Prior&
   match.found.pixel = at.centre;
   match.found.blur_px = std::sqrt(std::max(0.0, at.blur_px2));
   match.found.covariance = covariance.topLeftCorner<2, 2>();
-  const Matrix2d white = match.variance * inverse.topLeftCorner<2, 2>();
-  if (!(match.found.covariance.determinant() > 0 && match.found.covariance(0, 0) > 0)) match.found.covariance = white;
   RowWithTone profile;
   profile << -inverse * normals.col(kUnknowns).head<kUnknowns>(), 1;
   match.found.tone = tone_evidence(profile, normals, spread, right, match.variance);
   match.found.by_tone = profile.head<2>();
   match.found.sigma_tone = known.sigma_tone;
-  if (!(known.tone_information > 0)) return match;
-  // The grain of this mark is part of what the tone errs by: covariance of the position with its share of the slope.
-  const Vector2d shared = (inverse * (spread * profile).head<kUnknowns>()).head<2>() / match.variance;
-  const Vector2d with_tone = shared / known.tone_information;
-  match.found.covariance +=
-      known.sigma_tone * known.sigma_tone * match.found.by_tone * match.found.by_tone.transpose() +
-      with_tone * match.found.by_tone.transpose() + match.found.by_tone * with_tone.transpose();
+  Matrix2d of_tone = Matrix2d::Zero();
+  if (known.tone_information > 0) {
+    of_tone = known.sigma_tone * known.sigma_tone * match.found.by_tone * match.found.by_tone.transpose();
+    // The grain of this mark is part of what the tone errs by: covariance of the position with its share of the slope.
+    const Vector2d shared = (inverse * (spread * profile).head<kUnknowns>()).head<2>() / match.variance;
+    const Vector2d with_tone = shared / known.tone_information;
+    match.found.covariance +=
+        of_tone + with_tone * match.found.by_tone.transpose() + match.found.by_tone * with_tone.transpose();
+  }
+  // Sampled covariances of grain and those cross terms may leave none that is positive: white noise and the tone then.
+  if (!(match.found.covariance.determinant() > 0 && match.found.covariance(0, 0) > 0))
+    match.found.covariance = match.variance * inverse.topLeftCorner<2, 2>() + of_tone;
   return match;
 }
 

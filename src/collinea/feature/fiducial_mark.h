@@ -23,7 +23,8 @@ struct FoundMark {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< [px^2]
   double correlation = 0;                                    ///< of drawing and pixels; below zero: dark on bright
   /// Derivative of the position by the tone of the scan [px], and the standard deviation of that: a part of the
-  /// covariance that all marks of a scan have in common.
+  /// covariance that all marks of a scan have in common. The transformation of the film does not read it: it takes marks
+  /// as independent (ScanMarks).
   Eigen::Vector2d by_tone = Eigen::Vector2d::Zero();
   double sigma_tone = 0;
   ToneEvidence tone = {};

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/feature/interest.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,8 +11,9 @@
 
 #include "collinea/base/parallel.h"
 #include "collinea/feature/foerstner.h"
-#include "collinea/feature/internal/interest_kernels.h"
-#include "collinea/feature/internal/separable_rows.h"
+#include "collinea/feature/internal/interest_responses.h"
+#include "collinea/feature/internal/interest_window.h"
+#include "collinea/feature/internal/response_paraboloid.h"
 #include "collinea/feature/internal/spread.h"
 #include "collinea/feature/internal/tensor_patch.h"
 #include "collinea/feature/local_maxima.h"
@@ -22,29 +22,14 @@
 namespace collinea {
 namespace {
 
-using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
-constexpr double kDogRatio = 1.6;          // of the two blurs: nearest to the Laplacian (Marr and Hildreth 1980)
-constexpr int kColumnsAtOnce = 2048;       // rows of all channels within the window stay in the cache
-constexpr double kIsolatedShare = 0.5;     // of the response that a single pixel may make
-constexpr double kLargestElongation = 10;  // of a blob (Lowe 2004)
+constexpr int kColumnsAtOnce = 2048;    // rows of all channels within the window stay in the cache
+constexpr double kIsolatedShare = 0.5;  // of the response that a single pixel may make
 constexpr double kSamePoint_px = 0.5;
 constexpr double kLeastOfRegion = 0.02;  // of the contrast that the image asks for
 constexpr double kCircleMisfit = 0.1;    // of a circle beside that of a corner: where both fit, it is a corner
 constexpr int kStripRows = 256, kPlateauRows = 24;
-constexpr float kRounding_grey = 1e-3f;  // of sums of floats: responses of blobs below it are none
-
-bool is_blob(InterestOperator method) {
-  return method == InterestOperator::kLog || method == InterestOperator::kDog || method == InterestOperator::kSift;
-}
-
-int window_radius(const InterestOptions& o) {
-  if (o.window_radius_px) return *o.window_radius_px;
-  if (o.method == InterestOperator::kMoravec) return 1;
-  const double widest = o.method == InterestOperator::kDog || o.method == InterestOperator::kSift ? kDogRatio : 1;
-  return std::max(1, static_cast<int>(std::ceil((is_blob(o.method) ? 4 : 3) * widest * o.sigma_px)));
-}
 
 // Pixels between a response and the farthest that it depends on.
 int margin(const InterestOptions& o) { return window_radius(o) + (is_blob(o.method) ? 0 : 1); }
@@ -54,153 +39,6 @@ bool is_at_the_rim(const MapPixel& m, const GreyImage& image, const InterestOpti
   const int rim = margin(o);
   return m.column <= rim || m.row <= rim || m.column >= image.width - 1 - rim || m.row >= image.height - 1 - rim;
 }
-
-GradientMask mask_of(InterestOperator method) {
-  return method == InterestOperator::kKovesi ? GradientMask::kPrewitt : GradientMask::kCentral;
-}
-
-CornerMeasure measure_of(InterestOperator method) {
-  switch (method) {
-    case InterestOperator::kNoble:
-    case InterestOperator::kKovesi:
-      return CornerMeasure::kNoble;
-    case InterestOperator::kShiTomasi:
-      return CornerMeasure::kSmallerEigenvalue;
-    case InterestOperator::kFoerstner:
-      return CornerMeasure::kRoundNoble;
-    default:
-      return CornerMeasure::kHarris;
-  }
-}
-
-using Rows = std::span<float* const>;
-// Receives the responses of a row of a strip.
-using ResponseSink = std::function<void(int y, const float* row)>;
-
-// A strip of an image: the operators see it as an image of its own.
-struct Strip {
-  const GreyImage& image;
-  int begin, width;
-};
-
-float parameter_of(const InterestOptions& o) {
-  return static_cast<float>(o.method == InterestOperator::kFoerstner ? o.least_roundness : o.harris_k);
-}
-
-TensorPatch patch_of(const InterestOptions& o) {
-  return {gaussian_window(o.sigma_px, window_radius(o)), mask_of(o.method), measure_of(o.method), parameter_of(o)};
-}
-
-void tensor_responses(const Strip& strip, const InterestOptions& o, const ResponseSink& sink) {
-  const std::vector<float> window = gaussian_window(o.sigma_px, window_radius(o));
-  const float parameter = parameter_of(o);
-  FloatRows grey(strip.image, strip.begin, strip.width);
-  SeparableRows(strip.width, strip.image.height, std::vector(3, SeparableFilter{window, window}))
-      .run(
-          [&](int y, Rows rows) {
-            const float *above = grey.row(y - 1), *middle = grey.row(y), *below = grey.row(y + 1);
-            gradient_products(above, middle, below, strip.width, mask_of(o.method), rows[0], rows[1], rows[2]);
-          },
-          [&](int y, Rows rows) {
-            corner_response(rows[0], rows[1], rows[2], strip.width, measure_of(o.method), parameter, rows[0]);
-            sink(y, rows[0]);
-          });
-}
-
-// Sums of squared differences for the shifts (1, 0), (0, 1), (1, 1), (-1, 1); the opposite shifts have the sums of the
-// pixel that they lead to.
-void moravec_responses(const Strip& strip, const InterestOptions& o, const ResponseSink& sink) {
-  const std::vector<float> window = box_window(window_radius(o));
-  FloatRows grey(strip.image, strip.begin, strip.width);
-  std::vector<std::vector<float>> before(3, std::vector<float>(static_cast<std::size_t>(strip.width) + 2 * kRowSlack));
-  std::vector<float> least(before[0].size()), right(before[0].size());
-  SeparableRows(strip.width, strip.image.height, std::vector(4, SeparableFilter{window, window}))
-      .run(
-          [&](int y, Rows rows) {
-            const float *at = grey.row(y), *below = grey.row(y + 1);
-            squared_differences(at + 1, at, strip.width, rows[0]);
-            squared_differences(below, at, strip.width, rows[1]);
-            squared_differences(below + 1, at, strip.width, rows[2]);
-            squared_differences(below - 1, at, strip.width, rows[3]);
-          },
-          [&](int y, Rows rows) {
-            const auto width = static_cast<std::size_t>(strip.width);
-            std::copy_n(rows[0], width, right.begin() + 1);
-            std::copy_n(rows[0], width, least.begin());
-            lower_to(right.data(), strip.width, least.data());
-            for (std::size_t k = 1; k < 4; ++k) lower_to(rows[k], strip.width, least.data());
-            lower_to(before[0].data() + 1, strip.width, least.data());  // (0, -1)
-            lower_to(before[1].data(), strip.width, least.data());      // (-1, -1): of the pixel to the left
-            lower_to(before[2].data() + 2, strip.width, least.data());  // (1, -1): of the pixel to the right
-            for (std::size_t k = 1; k < 4; ++k) std::copy_n(rows[k], width, before[k - 1].begin() + 1);
-            sink(y, least.data());
-          });
-}
-
-// sigma^2 times the Laplacian of the blurred image, or the difference of two blurs; as sizes.
-void blob_responses(const Strip& strip, const InterestOptions& o, const ResponseSink& sink) {
-  const int radius = window_radius(o);
-  const bool is_log = o.method == InterestOperator::kLog;
-  const std::vector<float> fine = gaussian_window(o.sigma_px, radius);
-  const std::vector<float> other =
-      is_log ? gaussian_curvature(o.sigma_px, radius) : gaussian_window(kDogRatio * o.sigma_px, radius);
-  std::vector<SeparableFilter> filters = {{other, is_log ? fine : other}, {fine, is_log ? other : fine}};
-  const float factor = is_log ? static_cast<float>(o.sigma_px * o.sigma_px) : 1.0f, sign = is_log ? 1.0f : -1.0f;
-  FloatRows grey(strip.image, strip.begin, strip.width);
-  SeparableRows(strip.width, strip.image.height, std::move(filters))
-      .run(
-          [&](int y, Rows rows) {
-            for (float* row : rows) std::copy_n(grey.row(y), strip.width, row);
-          },
-          [&](int y, Rows rows) {
-            for (int x = 0; x < strip.width; ++x) {
-              const float size = std::abs(factor * (rows[0][x] + sign * rows[1][x]));
-              rows[0][x] = size > kRounding_grey ? size : 0;
-            }
-            sink(y, rows[0]);
-          });
-}
-
-void responses(const Strip& strip, const InterestOptions& o, const ResponseSink& sink) {
-  if (o.method == InterestOperator::kMoravec)
-    moravec_responses(strip, o, sink);
-  else if (is_blob(o.method))
-    blob_responses(strip, o, sink);
-  else
-    tensor_responses(strip, o, sink);
-}
-
-// The surface of second degree through 3 x 3 values, by least squares.
-struct Paraboloid {
-  Vector2d slope;
-  Matrix2d curvature;
-
-  Paraboloid(const FloatImage& map, int column, int row) : slope(Vector2d::Zero()), curvature(Matrix2d::Zero()) {
-    double xx = 0, yy = 0, xy = 0;
-    for (int y = -1; y <= 1; ++y)
-      for (int x = -1; x <= 1; ++x) {
-        const double value = map.at(column + x, row + y);
-        slope += Vector2d(x, y) * value / 6;
-        xx += (x * x - 2.0 / 3) * value;  // twice the coefficient is the second derivative
-        yy += (y * y - 2.0 / 3) * value;
-        xy += x * y * value / 4;
-      }
-    curvature << xx, xy, xy, yy;
-  }
-
-  /// Where its top lies from the middle; zero where it has none within a pixel.
-  [[nodiscard]] Vector2d top() const {
-    if (!(curvature.determinant() > 0 && curvature.trace() < 0)) return Vector2d::Zero();
-    const Vector2d shift = -(curvature.inverse() * slope);
-    return shift.cwiseAbs().maxCoeff() <= 1 ? shift : Vector2d::Zero();
-  }
-  /// Whether it is a ridge: its two curvatures differ by more than the largest elongation.
-  [[nodiscard]] bool is_ridge() const {
-    const double det = curvature.determinant(), trace = curvature.trace();
-    constexpr double kMost = (kLargestElongation + 1) * (kLargestElongation + 1) / kLargestElongation;
-    return !(det > 0) || trace * trace > kMost * det;
-  }
-};
 
 SubPixel location_of(const InterestOptions& o) {
   return o.sub_pixel.value_or(o.method == InterestOperator::kFoerstner ? SubPixel::kFoerstner : SubPixel::kParaboloid);
@@ -326,7 +164,7 @@ FloatImage interest_map(const GreyImage& image, const InterestOptions& o) {
     const int end = std::min(image.width, begin + kColumnsAtOnce);
     const int first = std::max(0, begin - border), last = std::min(image.width, end + border);
     const int from = std::max(begin, border), to = std::min(end, image.width - border);
-    responses({image, first, last - first}, o, [&](int y, const float* row) {
+    interest_responses({image, first, last - first}, o, [&](int y, const float* row) {
       if (y < border || y >= image.height - border) return;
       float* out = map.row(y);
       for (int x = from; x < to; ++x) out[x] = std::max(0.0f, row[x - first]);
@@ -337,7 +175,7 @@ FloatImage interest_map(const GreyImage& image, const InterestOptions& o) {
 
 bool is_isolated(const GreyImage& image, int column, int row, const InterestOptions& o) {
   if (!is_blob(o.method) && o.method != InterestOperator::kMoravec) {
-    TensorPatch patch = patch_of(o);
+    TensorPatch patch = tensor_patch_of(o);
     if (is_within(image, column, row, patch.reach())) return is_isolated(image, column, row, patch);
   }
   const Outlier outlier = outlier_at(image, column, row);
@@ -370,7 +208,7 @@ std::vector<MapPixel> interest_pixels(const GreyImage& image, const InterestOpti
     GreyImage strip(image.width, bottom - top);
     std::copy(image.row(top), image.row(top) + strip.data.size(), strip.data.begin());
     std::optional<TensorPatch> patch;
-    if (!is_blob(o.method) && o.method != InterestOperator::kMoravec) patch = patch_of(o);
+    if (!is_blob(o.method) && o.method != InterestOperator::kMoravec) patch = tensor_patch_of(o);
     const auto isolated = [&](const MapPixel& m) {
       return patch && is_within(image, m.column, m.row, patch->reach()) ? is_isolated(image, m.column, m.row, *patch)
                                                                         : is_isolated(image, m.column, m.row, o);
@@ -416,13 +254,13 @@ InterestPoints find_interest_points(const GreyImage& image, const FloatImage& ma
       ++out.isolated;
       continue;
     }
-    const Paraboloid paraboloid(map, m.column, m.row);
+    const ResponseParaboloid paraboloid([&](int x, int y) { return map.at(m.column + x, m.row + y); });
     if (is_blob(o.method) && paraboloid.is_ridge()) {
       ++out.on_edges;
       continue;
     }
     InterestPoint point{.position_px = {m.column + 0.5, m.row + 0.5}, .strength = m.value, .scale_px = o.sigma_px};
-    if (location != SubPixel::kNone) point.position_px += paraboloid.top();
+    if (location != SubPixel::kNone) point.position_px += paraboloid.top().value_or(Vector2d::Zero());
     if (location == SubPixel::kParaboloid) point.pixel = m;
     if (has_covariance(location)) {
       const auto better = located(image, point, o, out.noise_grey);

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/feature/interest_covariance.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
 #include "collinea/feature/foerstner.h"
+#include "collinea/feature/internal/interest_window.h"
+#include "collinea/feature/internal/response_paraboloid.h"
 #include "collinea/feature/internal/separable_rows.h"
 
 namespace collinea {
@@ -16,16 +17,6 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-constexpr double kDogRatio = 1.6;  // as that of interest_map()
-
-bool is_blob(InterestOperator method) { return method == InterestOperator::kLog || method == InterestOperator::kDog; }
-
-int window_radius(const InterestOptions& o) {
-  if (o.window_radius_px) return *o.window_radius_px;
-  const double widest = o.method == InterestOperator::kDog ? kDogRatio : 1;
-  return std::max(1, static_cast<int>(std::ceil((is_blob(o.method) ? 4 : 3) * widest * o.sigma_px)));
-}
 
 // Values about a middle pixel, by column and row counted from it.
 template <class T>
@@ -56,24 +47,16 @@ struct Nine {
 
 // b_k of the nine responses: how the top moves with each. Nothing where there is no top within a pixel.
 std::optional<std::array<Vector2d, 9>> moves_of_top(const Nine& nine) {
-  Vector2d slope = Vector2d::Zero();
-  Matrix2d hesse = Matrix2d::Zero();
-  const auto by = [](int k) {
-    const double x = Nine::x(k), y = Nine::y(k);
-    Matrix2d out;
-    out << x * x - 2.0 / 3, x * y / 4, x * y / 4, y * y - 2.0 / 3;
-    return out;
-  };
-  for (int k = 0; k < 9; ++k) {
-    slope += nine.at[std::size_t(k)] * Vector2d(Nine::x(k), Nine::y(k)) / 6;
-    hesse += nine.at[std::size_t(k)] * by(k);
-  }
-  if (!(hesse.determinant() > 0 && hesse.trace() < 0)) return std::nullopt;
-  const Matrix2d inverse = hesse.inverse();
-  const Vector2d top = -inverse * slope;
-  if (!(top.cwiseAbs().maxCoeff() <= 1)) return std::nullopt;
+  const ResponseParaboloid paraboloid([&](int x, int y) { return nine.at[std::size_t(3 * y + x + 4)]; });
+  const auto top = paraboloid.top();
+  if (!top) return std::nullopt;
+  const Matrix2d inverse = paraboloid.curvature.inverse();
   std::array<Vector2d, 9> out;
-  for (int k = 0; k < 9; ++k) out[std::size_t(k)] = -inverse * (Vector2d(Nine::x(k), Nine::y(k)) / 6 + by(k) * top);
+  for (int k = 0; k < 9; ++k) {
+    const int x = Nine::x(k), y = Nine::y(k);
+    out[std::size_t(k)] =
+        -inverse * (ResponseParaboloid::by_slope(x, y) + ResponseParaboloid::by_curvature(x, y) * *top);
+  }
   return out;
 }
 

@@ -10,6 +10,7 @@
 
 #include "collinea/match/census.h"
 #include "collinea/match/internal/area_kernels.h"
+#include "collinea/match/internal/peak_paraboloid.h"
 
 namespace collinea {
 namespace {
@@ -205,19 +206,6 @@ bool passes(const CorrelationSurface& surface, double value, std::optional<doubl
   }
 }
 
-// The residual sum of squares (of sad: the sum of the absolute residuals) of which the extremum is sought. Of ncc and
-// cosine that with the gain at the candidate `pixel`: the correlation itself would move towards windows of more
-// contrast, where the same noise counts less.
-double objective(const CorrelationSurface& surface, const Vector2i& pixel, const Vector2i& at) {
-  const double value = surface.values.at(at.x(), at.y()), n = surface.pixels;
-  if (is_larger_better(surface.method)) {
-    const double here = surface.deviations.at(at.x(), at.y()), first = surface.deviations.at(pixel.x(), pixel.y());
-    return here * here + first * first - 2 * value * here * first;
-  }
-  if (surface.method == Similarity::kD) return value * value;
-  return surface.method == Similarity::kDn ? n * value * value : value;
-}
-
 // Noise against grey values makes the first term. Noise against noise, another for each of the nine values, makes the
 // second: the gradient of the paraboloid has a sixth of the variance of a value, ssd^2 / n or 0.315 sad^2 / n.
 std::optional<Matrix2d> covariance_of(const CorrelationSurface& surface, double least, const Matrix2d& hesse) {
@@ -320,33 +308,14 @@ std::size_t rivals(const CorrelationSurface& surface, std::span<const AreaCandid
   return count;
 }
 
-// Least squares over the nine points (x, y) = -1, 0, 1: the columns of 1, x, y, x^2, xy, y^2 are orthogonal but for 1
-// and the squares, so that the solution can be written down.
 std::optional<SubpixelPeak> subpixel_peak(const CorrelationSurface& surface, const Vector2i& pixel) {
   const int column = pixel.x() - surface.left, row = pixel.y() - surface.top;
   if (column < 1 || row < 1 || column > surface.values.width - 2 || row > surface.values.height - 2)
     return std::nullopt;
-  double sum = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0;
-  for (int y = -1; y <= 1; ++y)
-    for (int x = -1; x <= 1; ++x) {
-      const double z = objective(surface, {column, row}, {column + x, row + y});
-      sum += z;
-      sx += x * z;
-      sy += y * z;
-      sxx += x * x * z;
-      sxy += x * y * z;
-      syy += y * y * z;
-    }
-  const Vector2d gradient(sx / 6, sy / 6);
-  const double xx = sxx / 2 - sum / 3, yy = syy / 2 - sum / 3, xy = sxy / 4;
-  const double middle = (5 * sum - 3 * (sxx + syy)) / 9;
-  Matrix2d hesse;
-  hesse << 2 * xx, xy, xy, 2 * yy;
-  if (!(hesse(0, 0) > 0 && hesse.determinant() > 1e-12 * hesse(0, 0) * hesse(1, 1))) return std::nullopt;
-  const Vector2d offset = -hesse.inverse() * gradient;
-  if (!(offset.cwiseAbs().maxCoeff() <= 1)) return std::nullopt;
-  const double least = middle + 0.5 * gradient.dot(offset);
-  return SubpixelPeak{offset, covariance_of(surface, least, hesse)};
+  const PeakParaboloid paraboloid = peak_paraboloid(surface, column, row);
+  const auto offset = paraboloid.lowest();
+  if (!offset || !(offset->cwiseAbs().maxCoeff() <= 1)) return std::nullopt;
+  return SubpixelPeak{*offset, covariance_of(surface, paraboloid.value_at(*offset), paraboloid.hesse)};
 }
 
 AreaMatching match_area(const GreyImage& image, const Vector2d& position_px, const GreyImage& other,

@@ -144,7 +144,7 @@ constexpr std::span<const Word<AreaOutcome>> words(AreaOutcome) { return kAreaOu
 
 struct AreaMatch {
   Eigen::Vector2d position_px;                    ///< in the other image
-  std::optional<Eigen::Matrix2d> covariance_px2;  ///< none of rank and census
+  std::optional<Eigen::Matrix2d> covariance_px2;  ///< of rank and census by rank_covariance.h or match_areas()
   double value = 0;                               ///< of the similarity
   std::optional<double> returned_px;              ///< distance from the point after matching back
 };

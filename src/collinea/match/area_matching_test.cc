@@ -16,6 +16,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector2i;
 using testing::image_of;
+using testing::shifted_peak;
 using testing::WaveTexture;
 
 GreyImage image_with(int width, std::vector<std::uint8_t> grey) {
@@ -227,19 +228,10 @@ TEST(AreaMatching, StandardDeviationsOfThePeakAreThoseOfTheErrors) {
     Random random(21);
     for (std::uint64_t trial = 0; trial < kTrials; ++trial) {
       const WaveTexture texture(300 + trial % 30, 10, 30, 6);
-      const Vector2d shift(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5));
-      const GreyImage left = image_of(27, 27, texture, kNoise_grey, 2 * trial + 1);
-      const GreyImage right = image_of(
-          27, 27, [&](const Vector2d& at) { return texture(at - shift); }, kNoise_grey, 2 * trial + 2);
-      const Vector2i middle(13, 13);
-      const auto surface = correlation_surface(left, middle, 10, right, middle, 3, method);
-      const auto threshold = method == Similarity::kNcc ? std::optional(0.0) : std::nullopt;
-      const Vector2i best = candidates(surface, 3, threshold).front().pixel;
-      const auto peak = subpixel_peak(surface, best);
-      if (!peak) continue;
+      const auto found = shifted_peak(texture, 27, kNoise_grey, trial, random, method);
+      if (!found) continue;
       ++count;
-      const Vector2d error = (best - middle).cast<double>() + peak->offset_px - shift;
-      sum += error.dot(peak->covariance_px2->inverse() * error);
+      sum += found->error_px.dot(found->peak.covariance_px2->inverse() * found->error_px);
     }
     EXPECT_GT(count, 0.97 * kTrials) << word_of(method);
     // Of sad the covariance states too much (0.59 here): absolute differences of whole grey values round the peak off.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "collinea/feature/edge_correlation.h"
 #include "collinea/match/relaxation.h"
 #include "collinea/math/median.h"
 
@@ -154,18 +155,21 @@ class Decisions {
         conflicts_{conflicts_of(all, &ArcMatch::left), conflicts_of(all, &ArcMatch::right)},
         state_(all.size(), State::kOpen) {}
 
+  // Two that contradict each other and are as similar are both left open, as by_neighbours() does.
   void by_similarity(double ratio) {
-    std::vector<std::size_t> decided;
+    std::vector<std::size_t> decisive;
     for (std::size_t k = 0; k < all_.size(); ++k) {
       bool is_decisive = true;
       for (const Conflicts& side : conflicts_)
         for (const std::size_t other : side[k]) is_decisive &= all_[k].similarity >= ratio * all_[other].similarity;
-      if (!is_decisive) continue;
+      if (is_decisive) decisive.push_back(k);
+    }
+    for (const std::size_t k : decisive) {
+      if (!is_alone(k, decisive)) continue;
       all_[k].outcome =
           conflicts_[0][k].empty() && conflicts_[1][k].empty() ? LineOutcome::kOne : LineOutcome::kDecisive;
-      decided.push_back(k);
+      decide(k);
     }
-    for (const std::size_t k : decided) decide(k);
   }
 
   // Those that are decided bear out what is open; two that contradict each other are both left open.
@@ -178,10 +182,7 @@ class Decisions {
           is_borne_out(k, conflicts_[1][k], anchors))
         chosen.push_back(k);
     for (const std::size_t k : chosen) {
-      const bool is_alone = std::none_of(chosen.begin(), chosen.end(), [&](std::size_t other) {
-        return std::ranges::count(conflicts_[0][k], other) + std::ranges::count(conflicts_[1][k], other) > 0;
-      });
-      if (!is_alone) continue;
+      if (!is_alone(k, chosen)) continue;
       all_[k].outcome = LineOutcome::kByNeighbours;
       state_[k] = State::kDecided;
     }
@@ -202,6 +203,12 @@ class Decisions {
   }
 
  private:
+  // Whether none of the others contradicts a candidate.
+  [[nodiscard]] bool is_alone(std::size_t k, const std::vector<std::size_t>& others) const {
+    return std::ranges::none_of(others, [&](std::size_t other) {
+      return std::ranges::count(conflicts_[0][k], other) + std::ranges::count(conflicts_[1][k], other) > 0;
+    });
+  }
   void decide(std::size_t k) {
     state_[k] = State::kDecided;
     for (const Conflicts& side : conflicts_)
@@ -275,9 +282,7 @@ std::optional<ArcCrossing> crossing(const EdgeArc& arc, double row) {
                                [](double r, const EdgePoint& p) { return r < p.at.y(); });
   const EdgePoint &b = *next, &a = *(next - 1);
   const double share = (row - a.at.y()) / (b.at.y() - a.at.y());
-  const double along = std::max(arc.along_px, 1e-3);
-  const double correlation =
-      std::exp(-(a.at - b.at).squaredNorm() / (4 * along * along)) * std::max(0.0, a.normal.dot(b.normal));
+  const double correlation = edge_correlation(a, b, arc.along_px);
   ArcCrossing out;
   out.column = (1 - share) * a.at.x() + share * b.at.x();
   out.normal = ((1 - share) * a.normal + share * b.normal).normalized();

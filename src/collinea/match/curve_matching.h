@@ -59,7 +59,8 @@ struct ArcMatches {
 /// Candidates as line_candidates(), the disparity of every row between `low` and `high`. Two of them contradict each
 /// other when they have an arc in common and a fifth of the rows of the shorter one: an edge that is broken in one
 /// image matches with both of its pieces. Decided is what is decisive_ratio times as similar as all that contradicts
-/// it; what is left is decided by relaxation among the nearest decided ones, there and back, as match_lines().
+/// it (of two that are as similar none); what is left is decided by relaxation among the nearest decided ones, there
+/// and back, as match_lines().
 [[nodiscard]] ArcMatches match_arcs(std::span<const EdgeArc> left, std::span<const EdgeArc> right, double low_px,
                                     double high_px, const LineMatchOptions& options);
 

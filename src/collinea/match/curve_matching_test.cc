@@ -167,6 +167,25 @@ TEST(CurveMatching, NeighboursTellLikeEdgesApart) {
   EXPECT_EQ(together.matches[0].outcome, LineOutcome::kByNeighbours);
 }
 
+// Of two that are exactly alike neither is better, however little is asked for: none is taken by its place in the list.
+TEST(CurveMatching, OfTwoThatAreAsSimilarNoneIsDecisive) {
+  const Disc near{{60, 60}, 20, 0.5, 20, 0}, far{{60, 60}, 20, 0.5, 38, 0};
+  const auto arc = [](const Disc& d, bool is_right) { return arc_by_formula(d, is_right, 1, 45, 75); };
+  const std::vector<EdgeArc> left = {arc(near, false)}, right = {arc(near, true), arc(far, true)};
+  const ArcMatches found = match_arcs(left, right, 0, 60, {.decisive_ratio = 1});
+  EXPECT_EQ(found.candidates, 2u);
+  EXPECT_EQ(found.undecided, 2u);
+  EXPECT_TRUE(found.matches.empty());
+  EXPECT_TRUE(match_arcs(right, left, -60, 0, {.decisive_ratio = 1}).matches.empty());  // of the other side
+  // Another grey value on one side is enough.
+  std::vector<EdgeArc> darker = right;
+  darker[0].greys.brighter += 5;
+  const ArcMatches better = match_arcs(left, darker, 0, 60, {.decisive_ratio = 1});
+  ASSERT_EQ(better.matches.size(), 1u);
+  EXPECT_EQ(better.matches[0].right, 1u);
+  EXPECT_EQ(better.matches[0].outcome, LineOutcome::kDecisive);
+}
+
 TEST(CurveMatching, WhatDoesNotAgreeIsNoCandidate) {
   const Disc& d = kScene[0];
   const std::vector<EdgeArc> left = {arc_by_formula(d, false, 1, 45, 75)};

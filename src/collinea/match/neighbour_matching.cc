@@ -71,15 +71,15 @@ NeighbourMatch decided(const Measured& point, const RelaxedMatch& decision) {
 
 std::vector<double> likenesses(const CorrelationSurface& surface, std::span<const AreaCandidate> of) {
   std::vector<double> out;
-  const bool is_correlation = is_larger_better(surface.method);
-  const double at_random = is_correlation || of.empty() ? 0 : median(std::vector(surface.values.data));
+  const auto left_over = [&](double value) { return surface.method == Similarity::kCosine ? 1 - value : value; };
+  const double at_random = of.empty() ? 0 : left_over(median(std::vector(surface.values.data)));
   for (const AreaCandidate& candidate : of) {
-    const double part = at_random > 0 ? std::min(candidate.value / at_random, 1.0) : 1;
+    const double part = at_random > 0 ? std::clamp(left_over(candidate.value) / at_random, 0.0, 1.0) : 1;
     switch (surface.method) {
       case Similarity::kNcc:
-      case Similarity::kCosine:
         out.push_back(std::clamp(candidate.value, 0.0, 1.0));
         break;
+      case Similarity::kCosine:
       case Similarity::kSsd:
         out.push_back(1 - part);
         break;

@@ -13,11 +13,12 @@
 // Area matching of many points at once: which of its candidates is each, by what its neighbours match (relaxation.h).
 namespace collinea {
 
-/// How alike candidates are, 0 to 1, on the scale of the correlation r: r itself of ncc and cosine. Of the others with
-/// q = value / median of the surface, at most 1 (what a position at random leaves): 1 - q of ssd, for sum (T - S)^2 =
-/// 2 n var (1 - r); 1 - q^2 of d, dn, sad and rank, which grow as its root; cos(pi q / 2) of census, for two pixels
-/// are in another order with the chance arccos(r) / pi (Sheppard 1899). 0 where the median is 0: nothing tells
-/// positions apart.
+/// How alike candidates are, 0 to 1, on the scale of the correlation r: r itself of ncc. Of the others with q = value /
+/// median of the surface, at most 1 (what a position at random leaves): 1 - q of ssd, for sum (T - S)^2 = 2 n var (1 -
+/// r), and of cosine, whose value there is 1 - cosine: half the squared difference of windows that are scaled to one
+/// brightness; 1 - q^2 of d, dn, sad and rank, which grow as its root; cos(pi q / 2) of census, for two pixels are in
+/// another order with the chance arccos(r) / pi (Sheppard 1899). 0 where the median is 0: nothing tells positions
+/// apart.
 [[nodiscard]] std::vector<double> likenesses(const CorrelationSurface& surface, std::span<const AreaCandidate> of);
 
 /// A point of one image and where it is expected in the other.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "collinea/match/internal/peak_paraboloid.h"
 #include "collinea/math/random.h"
 
 namespace collinea {
@@ -38,26 +39,9 @@ std::optional<double> noise_of_pair(const GreyImage& image, const Vector2i& midd
                                     const Vector2i& pixel) {
   const CorrelationSurface surface = correlation_surface(image, middle, half, other, pixel, 1, Similarity::kNcc);
   if (surface.values.width != 3 || surface.values.height != 3) return std::nullopt;
-  double sum = 0, squares = 0;  // of the values and of those with x^2 and y^2
-  Vector2d slope = Vector2d::Zero();
-  double xx = 0, xy = 0, yy = 0;
-  const double first = surface.deviations.at(1, 1);
-  for (int y = -1; y <= 1; ++y)
-    for (int x = -1; x <= 1; ++x) {
-      const double here = surface.deviations.at(1 + x, 1 + y);
-      const double z = here * here + first * first - 2 * surface.values.at(1 + x, 1 + y) * here * first;
-      sum += z;
-      squares += (x * x + y * y) * z;
-      slope += Vector2d(x, y) * z / 6;
-      xx += (x * x - 2.0 / 3) * z;
-      yy += (y * y - 2.0 / 3) * z;
-      xy += x * y * z / 4;
-    }
-  double least = (5 * sum - 3 * squares) / 9;
-  const double determinant = xx * yy - xy * xy;
-  if (xx > 0 && determinant > 0)
-    least -=
-        0.5 * (yy * slope.x() * slope.x() - 2 * xy * slope.x() * slope.y() + xx * slope.y() * slope.y()) / determinant;
+  const PeakParaboloid paraboloid = peak_paraboloid(surface, 1, 1);
+  const auto lowest = paraboloid.lowest();
+  const double least = lowest ? paraboloid.value_at(*lowest) : paraboloid.middle;
   const double free = std::max(1.0, double(surface.pixels - kUnknowns));
   return std::max(std::sqrt(std::max(least, 0.0) / (2 * free)), kRounding_grey);
 }

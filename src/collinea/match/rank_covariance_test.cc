@@ -14,6 +14,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector2i;
 using testing::image_of;
+using testing::shifted_peak;
 using testing::WaveTexture;
 
 // e' C^-1 e is chi-squared with two degrees of freedom. Above 1 is what the paraboloid over whole pixels adds, as with
@@ -28,20 +29,12 @@ TEST(RankCovariance, IsThatOfTheErrors) {
     Random random(21);
     for (std::uint64_t trial = 0; trial < kTrials; ++trial) {
       const WaveTexture texture(300 + trial % 30, 8, 24, 8);
-      const Vector2d shift(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5));
-      const GreyImage left = image_of(35, 35, texture, kNoise_grey, 2 * trial + 1);
-      const GreyImage right = image_of(
-          35, 35, [&](const Vector2d& at) { return texture(at - shift); }, kNoise_grey, 2 * trial + 2);
-      const Vector2i middle(17, 17);
-      const auto surface = correlation_surface(left, middle, 10, right, middle, 3, method);
-      const Vector2i best = candidates(surface, 3, std::nullopt).front().pixel;
-      const auto peak = subpixel_peak(surface, best);
-      if (!peak) continue;
-      const auto covariance = rank_covariance(left, middle, 10, right, best, method, 5);
+      const auto found = shifted_peak(texture, 35, kNoise_grey, trial, random, method);
+      if (!found) continue;
+      const auto covariance = rank_covariance(found->left, found->middle, 10, found->right, found->best, method, 5);
       if (!covariance) continue;
       ++count;
-      const Vector2d error = (best - middle).cast<double>() + peak->offset_px - shift;
-      sum += error.dot(covariance->inverse() * error);
+      sum += found->error_px.dot(covariance->inverse() * found->error_px);
     }
     EXPECT_GT(count, 0.7 * kTrials) << word_of(method);
     EXPECT_LT(sum / count / 2, 1.25) << word_of(method);

@@ -94,7 +94,6 @@ TEST(Film, MarksLieWhereTheTruthSays) {
   EXPECT_LT(std::sqrt(squares / (2 * double(film.calibration.marks.size()))), 0.02);
 }
 
-// Control is measured where the scan shows it: the board is painted there, white and black about its centre.
 // The file of the local deformation and the transformation of the scan are where a mark lies, to the digits written.
 TEST(Film, LocalDeformationIsPartOfTheTruth) {
   const TestFolder folder;
@@ -121,6 +120,7 @@ TEST(Film, LocalDeformationIsPartOfTheTruth) {
   EXPECT_GT(largest, 0.02);
 }
 
+// Control is measured where the scan shows it: the board is painted there, white and black about its centre.
 TEST(Film, ControlLiesWhereTheScanShowsIt) {
   SurveyOptions flight = small_flight();
   flight.measurement_sigma_px = 0;

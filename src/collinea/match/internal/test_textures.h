@@ -7,7 +7,9 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <optional>
 
+#include "collinea/match/area_matching.h"
 #include "collinea/math/random.h"
 #include "collinea/raster/raster.h"
 
@@ -50,6 +52,33 @@ inline GreyImage image_of(int width, int height, const std::function<double(cons
       image.at(x, y) = static_cast<std::uint8_t>(
           std::clamp(std::round(grey({x + 0.5, y + 0.5}) + noise_grey * random.normal()), 0.0, 255.0));
   return image;
+}
+
+/// The peak that a measure finds in a window of 21 x 21 pixels of two noisy images, the right one shifted by up to half
+/// a pixel, and what it is off by.
+struct ShiftedPeak {
+  GreyImage left, right;
+  Eigen::Vector2i middle, best;
+  SubpixelPeak peak;
+  Eigen::Vector2d error_px;
+};
+/// Nothing without an extremum. Noise is that of `trial`, the shift the next one of `shifts`.
+inline std::optional<ShiftedPeak> shifted_peak(const WaveTexture& texture, int size_px, double noise_grey,
+                                               std::uint64_t trial, Random& shifts, Similarity method) {
+  const double x = shifts.uniform(-0.5, 0.5), y = shifts.uniform(-0.5, 0.5);
+  const Eigen::Vector2d shift(x, y);
+  const Eigen::Vector2i middle(size_px / 2, size_px / 2);
+  const auto shifted = [&](const Eigen::Vector2d& at) { return texture(at - shift); };
+  ShiftedPeak out{image_of(size_px, size_px, texture, noise_grey, 2 * trial + 1),
+                  image_of(size_px, size_px, shifted, noise_grey, 2 * trial + 2), middle};
+  const auto surface = correlation_surface(out.left, middle, 10, out.right, middle, 3, method);
+  const auto threshold = method == Similarity::kNcc ? std::optional(0.0) : std::nullopt;
+  out.best = candidates(surface, 3, threshold).front().pixel;
+  const auto peak = subpixel_peak(surface, out.best);
+  if (!peak) return std::nullopt;
+  out.peak = *peak;
+  out.error_px = (out.best - middle).cast<double>() + peak->offset_px - shift;
+  return out;
 }
 
 }  // namespace collinea::testing
