@@ -3,8 +3,9 @@
 
 #include <functional>
 
-#include "collinea/feature/interest.h"
+#include "collinea/feature/interest_options.h"
 #include "collinea/feature/internal/tensor_patch.h"
+#include "collinea/raster/raster.h"
 
 namespace collinea {
 

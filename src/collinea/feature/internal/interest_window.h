@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collinea/feature/interest.h"
+#include "collinea/feature/interest_options.h"
 
 // What a response of an operator is made of.
 namespace collinea {

@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 #include <optional>
 
-#include "collinea/match/area_matching.h"
+#include "collinea/match/correlation_surface.h"
 
 namespace collinea {
 
