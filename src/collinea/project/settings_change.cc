@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/project/settings_change.h"
 
+#include <concepts>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "collinea/base/word_or.h"
 #include "collinea/project/internal/settings_json.h"
 
 namespace collinea {
@@ -23,6 +25,17 @@ Result<> check_path(std::string_view name, PathKind kind, const std::string& tex
   const bool is_file =
       kind == PathKind::kFileOrWord && (text.find('/') != text.npos || std::filesystem::is_regular_file(text, error));
   return is_file ? check_path(name, kind, std::filesystem::path(text)) : Result<>();
+}
+
+template <class Enum, class... Other>
+Result<> check_path(std::string_view name, PathKind kind, const WordOr<Enum, Other...>& value) {
+  if constexpr ((std::same_as<Other, std::filesystem::path> || ...)) {
+    const auto* path = value.template get<std::filesystem::path>();
+    return path ? check_path(name, kind, *path) : Result<>();
+  } else {
+    const auto* text = value.template get<std::string>();
+    return text ? check_path(name, kind, *text) : Result<>();
+  }
 }
 
 // Paths of the fields that are given.

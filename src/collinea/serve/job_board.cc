@@ -135,9 +135,10 @@ void JobBoard::progress(Job& job, std::string_view stage, double done) {
 }
 
 void JobBoard::say(Job& job, std::string_view line) {
+  line = line.substr(0, kLongestLine);
   {
     const std::lock_guard lock(mutex_);
-    lines_.push_back({++last_change_, job.status.id, std::string(line.substr(0, kLongestLine))});
+    lines_.push_back({++last_change_, job.status.id, std::string(line)});
     if (lines_.size() > kMostLines) lines_.pop_front();
   }
   run_.say(line);
