@@ -20,6 +20,11 @@ constexpr double kLeastRedundancy = 3;  // of a group: its factor is then known 
 
 }  // namespace
 
+double detectable_shift(const TestOptions& options) {
+  const double quantile = options.power > 0.5 ? normal_limit(2 * (1 - options.power)) : 0;
+  return normal_limit(options.false_alarm) + quantile;
+}
+
 // Sigmas given far too small make redundancy numbers small, and the residuals still say so.
 double GroupSums::sigma_factor() const {
   const double factor = std::sqrt(std::max(squares, 0.0) / redundancy);
@@ -137,8 +142,7 @@ class Examiner {
     const bool known = options.sigma0_known || adjusted.redundancy < 1;
     sigma0_ = sigma0_of_tests(adjusted, options.sigma0_known);
     out_.limit = known ? normal_limit(options.false_alarm) : tau_limit(options.false_alarm, adjusted.redundancy);
-    const double quantile = options.power > 0.5 ? normal_limit(2 * (1 - options.power)) : 0;
-    out_.delta0 = normal_limit(options.false_alarm) + quantile;
+    out_.delta0 = detectable_shift(options);
     fits_ties_ = !options.normal_ties && !known;
   }
 

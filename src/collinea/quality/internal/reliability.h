@@ -46,6 +46,9 @@ struct TestOptions {
   }
 };
 
+/// Shift of a normally distributed test that is found with the power asked for (Baarda's delta0).
+[[nodiscard]] double detectable_shift(const TestOptions& options);
+
 /// One measured coordinate and what the others say of it. Units: px in images, m on the ground, rad for angles.
 struct TestedObservation {
   ObservationGroup group{};

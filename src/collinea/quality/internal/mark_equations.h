@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "collinea/adjust/block_motion.h"
+#include "collinea/adjust/solved.h"
+#include "collinea/quality/internal/covariance_of_images.h"
+
+namespace collinea::bundle {
+
+/// A point with its marks as rays of a problem, where it begins, and what is given for it.
+struct MarkPoint {
+  std::vector<Ray> rays;
+  Eigen::Vector3d start;
+  Eigen::Vector3d given = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d weight = Eigen::Matrix3d::Zero();  ///< of the given coordinates; 0: none
+  bool takes_part = true;  ///< false: it is intersected from the images as the others leave them
+};
+
+/// What the adjustment of marks leaves.
+struct MarkSolution {
+  std::vector<Eigen::Vector3d> positions;
+  std::vector<Eigen::Matrix3d> cofactors;  ///< of each position
+  Eigen::MatrixXd cofactor;                ///< of the positions of points that take part together, 3 rows each
+  /// Of each ray, 2 rows, in the order of points and rays: marked minus adjusted in sigmas, the part of a blunder that
+  /// shows in it, and its own standard deviation.
+  Eigen::VectorXd residuals, redundancy, residual_sigmas;
+  std::map<std::uint32_t, Frame> frames;  ///< of the images with rays, by their index in the problem
+  bool converged = false;
+};
+
+/// Adjusts points with rays in images whose unknowns have a covariance (see MarkedBlock). `motion`: of a block that
+/// nothing fixes, whose seven motions are unknowns, too. Nothing when something is not determined: rays that do not
+/// meet, or too little given to place the block.
+[[nodiscard]] std::optional<MarkSolution> solve_marks(const Problem& problem, const State& state,
+                                                      std::span<const MarkPoint> points, CovarianceOfImages& covariance,
+                                                      const std::optional<BlockMotion>& motion);
+
+}  // namespace collinea::bundle

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/quality/marked_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "collinea/adjust/bundle.h"
+#include "collinea/block/survey_covariance.h"
+#include "collinea/epipolar/intersect.h"
+#include "collinea/math/quantiles.h"
+#include "collinea/quality/internal/mark_equations.h"
+
+namespace collinea {
+
+using bundle::BlockMotion;
+using bundle::CovarianceOfImages;
+using bundle::MarkPoint;
+using bundle::MarkSolution;
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr double kLeastSurveySigma_m = 1e-4;
+constexpr double kNoRedundancy = 1e-9;
+
+Vector3d sigmas_of(const SurveyedPosition& surveyed) { return surveyed.sigma_m.cwiseMax(kLeastSurveySigma_m); }
+
+Matrix3d weight_of(const SurveyedPosition& surveyed) {
+  return survey_weight(sigmas_of(surveyed), surveyed.correlation).value_or(Matrix3d::Zero());
+}
+
+Result<> check(std::span<const MarkedPoint> points) {
+  std::size_t marks = 0;
+  for (const MarkedPoint& point : points) {
+    for (const PointMark& mark : point.marks)
+      if (!(mark.sigma_px > 0) || !std::isfinite(mark.sigma_px) || !mark.shape.is_valid() || !mark.pixel.allFinite())
+        return fail(Errc::kBadInput, "a mark needs two coordinates and a standard deviation above 0");
+    marks += point.marks.size();
+    if (!point.surveyed) continue;
+    const SurveyedPosition& surveyed = *point.surveyed;
+    if (!(surveyed.sigma_m.minCoeff() >= 0) || !survey_weight(sigmas_of(surveyed), surveyed.correlation))
+      return fail(Errc::kBadInput, "the standard deviations or correlations of a surveyed point are those of none");
+    for (int axis = 0; axis < 3; ++axis)
+      if (std::isfinite(surveyed.sigma_m[axis]) && !std::isfinite(surveyed.position_in_world[axis]))
+        return fail(Errc::kBadInput, "a surveyed coordinate is no number");
+  }
+  if (marks > MarkedBlock::kMostMarks)
+    return fail(Errc::kUnsupported, "more than " + std::to_string(MarkedBlock::kMostMarks) +
+                                        " marks: adjust the block with those that are done");
+  return {};
+}
+
+// A point that takes part.
+struct Taken {
+  std::size_t number = 0;  // among those that were given
+  MarkPoint point;
+  std::vector<std::size_t> marks;   // of each ray
+  bool by_its_coordinates = false;  // its rays alone do not determine it
+};
+
+// Indices of the images that take part.
+std::map<ImageId, std::uint32_t> image_numbers(const bundle::Problem& problem) {
+  std::map<ImageId, std::uint32_t> out;
+  for (std::size_t i = 0; i < problem.images.size(); ++i) {
+    const ImageId id = problem.images[i].id;
+    if (!std::ranges::count(problem.images_left_out, id)) out[id] = static_cast<std::uint32_t>(i);
+  }
+  return out;
+}
+
+// Nothing when neither its rays nor its coordinates say where it is.
+std::optional<Taken> taken_of(const MarkedPoint& given, const Block& block,
+                              const std::map<ImageId, std::uint32_t>& numbers) {
+  Taken out;
+  std::vector<SightLine> lines;
+  for (std::size_t m = 0; m < given.marks.size(); ++m) {
+    const PointMark& mark = given.marks[m];
+    const auto image = numbers.find(mark.image);
+    if (image == numbers.end()) continue;
+    lines.push_back({&block.camera_of(mark.image), pose_of(block, mark.image), mark.pixel, mark.sigma_px, mark.shape});
+    out.point.rays.push_back({{mark.pixel.x(), mark.pixel.y()},
+                              1 / mark.sigma_px,
+                              image->second,
+                              static_cast<std::uint32_t>(m),
+                              bundle::whitening_of(mark.shape)});
+    out.marks.push_back(m);
+  }
+  const bool is_control = given.surveyed && given.surveyed->role == ControlRole::kControl;
+  if (is_control) {
+    out.point.given = given.surveyed->sigma_m.array().isFinite().select(given.surveyed->position_in_world, 0.0);
+    out.point.weight = weight_of(*given.surveyed);
+  }
+  out.point.takes_part = is_control || !given.surveyed;
+  if (const auto met = intersect(lines)) {
+    out.point.start = met->point_in_world;
+    return out;
+  }
+  if (lines.empty() || !is_control || !given.surveyed->sigma_m.allFinite()) return std::nullopt;
+  out.point.start = given.surveyed->position_in_world;
+  out.by_its_coordinates = true;
+  return out;
+}
+
+MarkTest test_of(const bundle::Ray& ray, const MarkSolution& solution, Index row, double sigma0, double delta0) {
+  MarkTest out;
+  out.redundancy = solution.redundancy.segment<2>(row).cwiseMax(0).cwiseMin(1);
+  const Vector2d in_sigmas = solution.residuals.segment<2>(row);
+  const double sigma_px = 1 / ray.inverse_sigma;
+  out.residual_px = sigma_px * in_sigmas;
+  if (!ray.whitening.is_plain())
+    out.residual_px.y() = (out.residual_px.y() + ray.whitening.of_column * out.residual_px.x()) / ray.whitening.of_row;
+  for (int axis = 0; axis < 2; ++axis) {
+    if (!(out.redundancy[axis] > kNoRedundancy)) continue;
+    const double spread = sigma0 * solution.residual_sigmas[row + axis];
+    const double own_px = axis == 1 ? sigma_px / double(ray.whitening.of_row) : sigma_px;
+    out.w[axis] = in_sigmas[axis] / spread;
+    out.minimal_detectable_bias_px[axis] = delta0 * spread * own_px / out.redundancy[axis];
+  }
+  return out;
+}
+
+// Differences from the survey, which of control are residuals: sigma0 multiplies what the block says, and the survey is
+// as stated.
+void compare(const SurveyedPosition& surveyed, const Matrix3d& cofactor, bool takes_part, double sigma0,
+             AdjustedMark& out) {
+  const Vector3d sigma = sigmas_of(surveyed);
+  const Matrix3d by_survey = cofactor * weight_of(surveyed) * cofactor;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!std::isfinite(sigma[axis])) continue;
+    out.difference_m[axis] = (*out.position_in_world)[axis] - surveyed.position_in_world[axis];
+    const double whole = cofactor(axis, axis), survey = sigma[axis] * sigma[axis];
+    const double of_survey = by_survey(axis, axis);
+    out.difference_sigma_m[axis] =
+        takes_part ? std::sqrt(std::max(0.0, sigma0 * sigma0 * (whole - of_survey) + survey - 2 * whole + of_survey))
+                   : std::sqrt(sigma0 * sigma0 * whole + survey);
+  }
+}
+
+}  // namespace
+
+struct MarkedBlock::State {
+  Block block;
+  std::optional<Solved> solved;
+  std::optional<CovarianceOfImages> covariance;
+  std::map<ImageId, std::uint32_t> numbers;  // of its images in the problem
+  double sigma0 = 1;
+  std::optional<BlockMotion> motion;  // of a block that nothing fixes
+};
+
+MarkedBlock::MarkedBlock(std::unique_ptr<State> state) : state_(std::move(state)) {}
+MarkedBlock::MarkedBlock(MarkedBlock&&) noexcept = default;
+MarkedBlock& MarkedBlock::operator=(MarkedBlock&&) noexcept = default;
+MarkedBlock::~MarkedBlock() = default;
+
+const Block& MarkedBlock::block() const { return state_->block; }
+
+Result<MarkedBlock> MarkedBlock::of(Block block, const AdjustScope& scope, const AdjustOptions& options,
+                                    const Run& run) {
+  auto state = std::make_unique<State>();
+  state->block = std::move(block);
+  state->block.control.clear();
+  state->block.control_observations.clear();
+  state->block.geodetic.clear();
+  COLLINEA_TRY(Solved solved, solve_bundle(state->block, scope, options, run));
+  const bundle::Problem& problem = solved.problem();
+  for (const bundle::ProblemCamera& camera : problem.cameras)
+    if (camera.is_of_film()) return fail(Errc::kUnsupported, "scans of film have to be adjusted with their marks");
+  if (problem.rank_defect > 0) {
+    if (problem.rank_defect != 7 || !problem.moves_as_one || problem.datum.empty())
+      return fail(Errc::kUnsupported, "a part of the block has no datum of its own: adjust it with its control");
+    state->motion = BlockMotion{{}, problem.datum.front().centre, problem.datum.front().size};
+  }
+  auto [factor, failed_row] = solved.factor(run);
+  if (run.stopped()) return fail(Errc::kCancelled, "bundle adjustment stopped");
+  if (!factor) return fail(Errc::kIllPosed, "images of the block are not determined: adjust it to see which");
+  state->covariance.emplace(6 * problem.poses + problem.global_count, *std::move(factor));
+  state->numbers = image_numbers(problem);
+  state->sigma0 = sigma_scale(solved.estimate());
+  apply(solved.take_estimate(), state->block);
+  state->solved.emplace(std::move(solved));
+  return MarkedBlock(std::move(state));
+}
+
+namespace {
+
+std::optional<MarkSolution> solved_marks(const Solved& solved, std::span<const Taken> taken,
+                                         CovarianceOfImages& covariance, const std::optional<BlockMotion>& motion) {
+  std::vector<MarkPoint> points;
+  for (const Taken& one : taken) points.push_back(one.point);
+  return bundle::solve_marks(solved.problem(), solved.state(), points, covariance, motion);
+}
+
+// Of a block that is not placed: coordinates say nothing of it.
+void forget_coordinates(std::vector<Taken>& taken) {
+  std::erase_if(taken, [](const Taken& one) { return one.by_its_coordinates; });
+  for (Taken& one : taken) one.point.weight.setZero();
+}
+
+void take_images(const MarkSolution& solution, const bundle::Problem& problem, AdjustedMarks& out) {
+  for (const auto& [image, frame] : solution.frames) {
+    const auto rows = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(frame.data());
+    const Eigen::Quaterniond rotation(Matrix3d{rows});
+    const Vector3d centre(frame[9], frame[10], frame[11]);
+    out.cam_from_world[problem.images[image].id] = {rotation, -(rotation * centre)};
+  }
+}
+
+}  // namespace
+
+Result<AdjustedMarks> MarkedBlock::adjust(std::span<const MarkedPoint> points, const TestOptions& test) {
+  COLLINEA_TRY(check(points));
+  COLLINEA_TRY(validate(test));
+  State& state = *state_;
+  AdjustedMarks out;
+  out.sigma0 = state.sigma0;
+  std::vector<Taken> taken;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    out.points.emplace_back().marks.resize(points[i].marks.size());
+    auto one = taken_of(points[i], state.block, state.numbers);
+    if (!one) continue;
+    one->number = i;
+    taken.push_back(*std::move(one));
+  }
+  auto solution = solved_marks(*state.solved, taken, *state.covariance, state.motion);
+  if (!solution && state.motion) {
+    out.placed = false;
+    forget_coordinates(taken);
+    solution = solved_marks(*state.solved, taken, *state.covariance, std::nullopt);
+  }
+  if (!solution) return fail(Errc::kIllPosed, "the marks of a point do not determine it");
+  out.converged = solution->converged;
+  out.covariance_m2 = state.sigma0 * state.sigma0 * solution->cofactor;
+  take_images(*solution, state.solved->problem(), out);
+  const double delta0 = detectable_shift(test);
+  Index row = 0;
+  for (std::size_t p = 0; p < taken.size(); ++p) {
+    const Taken& one = taken[p];
+    AdjustedMark& mark = out.points[one.number];
+    mark.position_in_world = solution->positions[p];
+    const Matrix3d& cofactor = solution->cofactors[p];
+    mark.covariance_m2 = state.sigma0 * state.sigma0 * cofactor;
+    for (std::size_t r = 0; r < one.marks.size(); ++r, row += 2)
+      mark.marks[one.marks[r]] = test_of(one.point.rays[r], *solution, row, state.sigma0, delta0);
+    if (const auto& surveyed = points[one.number].surveyed)
+      compare(*surveyed, cofactor, !one.point.weight.isZero(0), state.sigma0, mark);
+  }
+  return out;
+}
+
+}  // namespace collinea
