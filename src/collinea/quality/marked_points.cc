@@ -75,34 +75,34 @@ std::map<ImageId, std::uint32_t> image_numbers(const bundle::Problem& problem) {
 // Nothing when neither its rays nor its coordinates say where it is.
 std::optional<Taken> taken_of(const MarkedPoint& given, const Block& block,
                               const std::map<ImageId, std::uint32_t>& numbers) {
-  Taken out;
+  Taken taken;
   std::vector<SightLine> lines;
   for (std::size_t m = 0; m < given.marks.size(); ++m) {
     const PointMark& mark = given.marks[m];
     const auto image = numbers.find(mark.image);
     if (image == numbers.end()) continue;
     lines.push_back({&block.camera_of(mark.image), pose_of(block, mark.image), mark.pixel, mark.sigma_px, mark.shape});
-    out.point.rays.push_back({{mark.pixel.x(), mark.pixel.y()},
-                              1 / mark.sigma_px,
-                              image->second,
-                              static_cast<std::uint32_t>(m),
-                              bundle::whitening_of(mark.shape)});
-    out.marks.push_back(m);
+    taken.point.rays.push_back({{mark.pixel.x(), mark.pixel.y()},
+                                1 / mark.sigma_px,
+                                image->second,
+                                static_cast<std::uint32_t>(m),
+                                bundle::whitening_of(mark.shape)});
+    taken.marks.push_back(m);
   }
   const bool is_control = given.surveyed && given.surveyed->role == ControlRole::kControl;
   if (is_control) {
-    out.point.given = given.surveyed->sigma_m.array().isFinite().select(given.surveyed->position_in_world, 0.0);
-    out.point.weight = weight_of(*given.surveyed);
+    taken.point.given = given.surveyed->sigma_m.array().isFinite().select(given.surveyed->position_in_world, 0.0);
+    taken.point.weight = weight_of(*given.surveyed);
   }
-  out.point.takes_part = is_control || !given.surveyed;
+  taken.point.takes_part = is_control || !given.surveyed;
   if (const auto met = intersect(lines)) {
-    out.point.start = met->point_in_world;
-    return out;
+    taken.point.start = met->point_in_world;
+    return taken;
   }
   if (lines.empty() || !is_control || !given.surveyed->sigma_m.allFinite()) return std::nullopt;
-  out.point.start = given.surveyed->position_in_world;
-  out.by_its_coordinates = true;
-  return out;
+  taken.point.start = given.surveyed->position_in_world;
+  taken.by_its_coordinates = true;
+  return taken;
 }
 
 MarkTest test_of(const bundle::Ray& ray, const MarkSolution& solution, Index row, double sigma0, double delta0) {
