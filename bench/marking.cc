@@ -32,10 +32,10 @@ int main(int argc, char** argv) {
   AdjustOptions options;
   options.calibration = Calibration::kBrown;
   const double before = seconds();
-  Result<MarkedBlock> base = MarkedBlock::of(block, {}, options, {});
+  Result<MarkedBlock> base = MarkedBlock::of(block, {}, options, BlockControl::kLeftOut, {});
   if (!base) return std::printf("%s\n", base.error().message.c_str()), 1;
-  std::printf("%zu images, %zu observations: at the beginning %.2f s\n", block.images.size(),
-              block.observations.size(), seconds() - before);
+  std::printf("%zu images, %zu observations: at the beginning %.2f s\n", block.images.size(), block.observations.size(),
+              seconds() - before);
   std::vector<MarkedPoint> points;
   std::vector<double> wall, cpu;
   for (const auto& [id, control] : block.control) {

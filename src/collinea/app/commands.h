@@ -21,6 +21,7 @@ Command info_command();
 Command adjust_command();
 Command export_command();
 Command volume_command();
+Command measure_command();
 Command profile_command();
 Command plan_command();
 Command simulate_command();
@@ -89,8 +90,8 @@ struct CommandGroup {
            correlate_command(),    absolute_command(), interior_command(),  resection_command(),
            intersection_command(), monoplot_command(), rotation_command(),  collinearity_command(),
            refraction_command(),   edges_command(),    enhance_command(),   models_command(),
-           rectify_command(),      volume_command(),   profile_command(),   evaluate_command(),
-           grid_command(),
+           rectify_command(),      measure_command(),  volume_command(),    profile_command(),
+           evaluate_command(),     grid_command(),
        }},
       {"Planning",
        {

@@ -159,12 +159,14 @@ MarkedBlock::~MarkedBlock() = default;
 const Block& MarkedBlock::block() const { return state_->block; }
 
 Result<MarkedBlock> MarkedBlock::of(Block block, const AdjustScope& scope, const AdjustOptions& options,
-                                    const Run& run) {
+                                    BlockControl control, const Run& run) {
   auto state = std::make_unique<State>();
   state->block = std::move(block);
-  state->block.control.clear();
-  state->block.control_observations.clear();
-  state->block.geodetic.clear();
+  if (control == BlockControl::kLeftOut) {
+    state->block.control.clear();
+    state->block.control_observations.clear();
+    state->block.geodetic.clear();
+  }
   COLLINEA_TRY(Solved solved, solve_bundle(state->block, scope, options, run));
   const bundle::Problem& problem = solved.problem();
   for (const bundle::ProblemCamera& camera : problem.cameras)

@@ -74,6 +74,12 @@ struct AdjustedMarks {
   bool converged = false;
 };
 
+/// What becomes of the control that a block has.
+enum class BlockControl : std::uint8_t {
+  kLeftOut,  ///< its points are those that are marked; measurements on the ground between them take no part
+  kKept      ///< it takes part; the points that are marked are others
+};
+
 /// The adjustment of an oriented block with points that a person marks, brought up to date in milliseconds after each
 /// mark.
 ///
@@ -85,9 +91,10 @@ struct AdjustedMarks {
 ///     - B dx)
 ///
 /// with the derivatives A by u and B by the points x: the same estimate, covariances and tests as the adjustment of
-/// everything together (sequential adjustment, Mikhail 1976; docs/theory/reliability.md), exactly so for linear equations; the
-/// equations of the marks are linearised anew until nothing moves, those of the tie points are not. Redundancy and w of
-/// a mark are the diagonal of S^-1 - S^-1 B (..)^-1 B' S^-1 and the residual over its root (Baarda 1968).
+/// everything together (sequential adjustment, Mikhail 1976; docs/theory/reliability.md), exactly so for linear
+/// equations; the equations of the marks are linearised anew until nothing moves, those of the tie points are not.
+/// Redundancy and w of a mark are the diagonal of S^-1 - S^-1 B (..)^-1 B' S^-1 and the residual over its root (Baarda
+/// 1968).
 ///
 /// Check points take no part: they are intersected from the images as all others leave them. Points that were not
 /// surveyed are tie points.
@@ -101,17 +108,17 @@ struct AdjustedMarks {
 ///
 /// Example:
 ///
-///     COLLINEA_TRY(MarkedBlock marked, MarkedBlock::of(block, scope, options, run));
+///     COLLINEA_TRY(MarkedBlock marked, MarkedBlock::of(block, scope, options, BlockControl::kLeftOut, run));
 ///     const AdjustedMarks now = marked.adjust(points);
 ///     now.points[0].marks[2].w ...
 class MarkedBlock {
  public:
   static constexpr std::size_t kMostMarks = 1000;
 
-  /// Adjusts the block without its control, whose points are those to be given. Measurements on the ground between them
-  /// take no part. Errors: those of adjust(); kIllPosed when images are not determined; kUnsupported as above, and of
-  /// scans of film.
-  static Result<MarkedBlock> of(Block block, const AdjustScope& scope, const AdjustOptions& options, const Run& run);
+  /// Adjusts the block without the points that are marked. Errors: those of adjust(); kIllPosed when images are not
+  /// determined; kUnsupported as above, and of scans of film.
+  static Result<MarkedBlock> of(Block block, const AdjustScope& scope, const AdjustOptions& options,
+                                BlockControl control, const Run& run);
   MarkedBlock(MarkedBlock&&) noexcept;
   MarkedBlock& operator=(MarkedBlock&&) noexcept;
   ~MarkedBlock();

@@ -35,7 +35,7 @@ TestBlockOptions small_block(std::uint64_t seed, double position_sigma_m = 0.05)
 }
 
 AdjustedMarks adjusted_marks(const Block& block, Calibration calibration = Calibration::kNone) {
-  Result<MarkedBlock> base = MarkedBlock::of(block, {}, plain(calibration), {});
+  Result<MarkedBlock> base = MarkedBlock::of(block, {}, plain(calibration), BlockControl::kLeftOut, {});
   EXPECT_TRUE(base);
   if (!base) return {};
   Result<AdjustedMarks> out = base->adjust(marked_in(block), {.sigma0_known = true});
@@ -140,7 +140,7 @@ TEST(MarkedBlock, CovariancesAreThoseOfTheErrors) {
     const testing::Marked made = testing::marked(small_block(std::uint64_t(seed)));
     std::vector<MarkedPoint> points = marked_in(made.block);
     for (MarkedPoint& point : points) point.surveyed.reset();
-    Result<MarkedBlock> base = MarkedBlock::of(made.block, {}, plain(), {});
+    Result<MarkedBlock> base = MarkedBlock::of(made.block, {}, plain(), BlockControl::kLeftOut, {});
     ASSERT_TRUE(base);
     const Result<AdjustedMarks> marks = base->adjust(points);
     ASSERT_TRUE(marks);
@@ -181,7 +181,8 @@ TEST(MarkedBlock, CheckPointsDifferAsPredicted) {
 TEST(MarkedBlock, MarksOneByOneAreAllAtOnce) {
   const Block block = test_block(small_block(7));
   const std::vector<MarkedPoint> all = marked_in(block);
-  Result<MarkedBlock> base = MarkedBlock::of(block, {}, plain(), {}), fresh = MarkedBlock::of(block, {}, plain(), {});
+  Result<MarkedBlock> base = MarkedBlock::of(block, {}, plain(), BlockControl::kLeftOut, {}),
+                      fresh = MarkedBlock::of(block, {}, plain(), BlockControl::kLeftOut, {});
   ASSERT_TRUE(base && fresh);
   std::vector<MarkedPoint> some;
   for (const MarkedPoint& point : all) {
@@ -201,7 +202,7 @@ TEST(MarkedBlock, MarksOneByOneAreAllAtOnce) {
 TEST(MarkedBlock, AWrongMarkIsSeenAtOnce) {
   const Block block = test_block(small_block(8));
   std::vector<MarkedPoint> points = marked_in(block);
-  Result<MarkedBlock> base = MarkedBlock::of(block, {}, plain(), {});
+  Result<MarkedBlock> base = MarkedBlock::of(block, {}, plain(), BlockControl::kLeftOut, {});
   ASSERT_TRUE(base);
   const Result<AdjustedMarks> right = base->adjust(points);
   points[0].marks[2].pixel.x() += 30;
@@ -217,10 +218,32 @@ TEST(MarkedBlock, AWrongMarkIsSeenAtOnce) {
               0.01);
 }
 
+// Control that is kept holds the block as the adjustment of everything has it, and a check point beside it is where it
+// would be as a tie point: in the adjustment with the rays of check points.
+TEST(MarkedBlock, APointBesideControlIsWhereTheAdjustmentHasIt) {
+  Block block = test_block(small_block(10));
+  const auto last = std::prev(block.control.end());
+  for (auto& [id, point] : block.control) point.role = id == last->first ? ControlRole::kCheck : ControlRole::kControl;
+  const Result<Examined> together = examine(block, {.use_check_rays = true}, testing::examined(), {});
+  ASSERT_TRUE(together);
+  MarkedPoint point = marked_in(block).back();
+  point.surveyed.reset();
+  Result<MarkedBlock> base = MarkedBlock::of(block, {}, plain(), BlockControl::kKept, {});
+  ASSERT_TRUE(base);
+  const Result<AdjustedMarks> marks = base->adjust(std::vector{point});
+  ASSERT_TRUE(marks);
+  const ControlDifference& expected = together->control.back();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double sigma = std::sqrt((*expected.covariance_m2)(axis, axis));
+    EXPECT_NEAR((*marks->points[0].position_in_world)[axis], (*expected.position_in_world)[axis], 2e-3 * sigma);
+    EXPECT_NEAR(std::sqrt(marks->points[0].covariance_m2(axis, axis)) / marks->sigma0, sigma, 2e-3 * sigma);
+  }
+}
+
 TEST(MarkedBlock, WhatDeterminesNothingHasNoPosition) {
   const Block block = test_block(small_block(9));
   const std::vector<MarkedPoint> all = marked_in(block);
-  Result<MarkedBlock> base = MarkedBlock::of(block, {}, plain(), {});
+  Result<MarkedBlock> base = MarkedBlock::of(block, {}, plain(), BlockControl::kLeftOut, {});
   ASSERT_TRUE(base);
   MarkedPoint one_ray{{all[0].marks[0]}}, nothing, by_survey{{all[0].marks[0]}, all[0].surveyed},
       elsewhere{{{ImageId{9999}, {10, 10}}, {ImageId{9998}, {10, 10}}}};
