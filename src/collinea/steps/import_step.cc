@@ -6,6 +6,7 @@
 
 #include "collinea/base/hash.h"
 #include "collinea/base/units.h"
+#include "collinea/edit/make_edits.h"
 #include "collinea/report/finding_words.h"
 #include "collinea/steps/internal/import_record.h"
 #include "collinea/steps/step.h"
@@ -72,11 +73,18 @@ std::vector<FilmScanRecord> film_records(const Imported& imported) {
   return records;
 }
 
+Finding finding_of_edit(const UnfitEdit& edit) {
+  return finding_of(FindingCode::kEditUnfit, {Subject::control_named(edit.point)},
+                    {{FigureName::kLine, static_cast<double>(edit.number)}}, {},
+                    edit.command + ": " + edit.why.message);
+}
+
 }  // namespace
 
 Result<StepOutput> import_step(Project& project, const std::string&) {
   COLLINEA_TRY(const Imported imported, import_images(project.settings.photos, project.settings.import, project.run));
-  COLLINEA_TRY(project.store.write_setup(imported.block));
+  Journal journal(project.folder);
+  COLLINEA_TRY(const std::vector<UnfitEdit> unfit, write_setup_with_edits(project.store, imported.block, journal));
 
   ImportRecord record = record_of(imported.block);
   if (imported.film) {
@@ -84,11 +92,12 @@ Result<StepOutput> import_step(Project& project, const std::string&) {
     record.film = film_records(imported);
   }
   record.findings = imported.findings;
+  for (const UnfitEdit& edit : unfit) record.findings.push_back(finding_of_edit(edit));
   record.skipped = imported.skipped;
   for (const Finding& one : imported.skipped)
     project.run.say(
         fmt::format("skipped {}: {}", words_of(one.subjects[0], imported.block), reason_of(one, imported.block)));
-  for (const Finding& finding : imported.findings)
+  for (const Finding& finding : record.findings)
     project.run.say("note: " + sentence_of(finding, imported.block, project.run.spelling));
   return StepOutput{hash_of_images(imported), record};
 }
