@@ -23,15 +23,17 @@ std::set<std::string> changed_points(const EditableSetup& setup, const EditHisto
 }
 
 // In the order of what was imported; what edits added comes behind it, by point and image.
-Marks in_order(std::map<Place, Marks> marks, const Marks& imported) {
+Marks in_order(const std::map<Place, Marks>& marks, const Marks& imported) {
   Marks all;
-  const auto append = [&](const Marks& some) { all.insert(all.end(), some.begin(), some.end()); };
-  for (const ControlObservation& one : imported)
-    if (const auto found = marks.find({one.point, one.image}); found != marks.end()) {
-      append(found->second);
-      marks.erase(found);
-    }
-  for (const auto& [place, some] : marks) append(some);
+  std::map<Place, std::size_t> taken;
+  for (const ControlObservation& one : imported) {
+    const Place place{one.point, one.image};
+    const auto found = marks.find(place);
+    if (found == marks.end()) continue;
+    if (std::size_t& next = taken[place]; next < found->second.size()) all.push_back(found->second[next++]);
+  }
+  for (const auto& [place, some] : marks)
+    if (!taken.contains(place)) all.insert(all.end(), some.begin(), some.end());
   return all;
 }
 
@@ -108,7 +110,7 @@ EditsInForce edits_in_force(const EditableSetup& setup, const EditHistory& histo
       marks[{*id, image}] = std::move(some);
     }
   }
-  out.edited.control_observations = in_order(std::move(marks), setup.imported.control_observations);
+  out.edited.control_observations = in_order(marks, setup.imported.control_observations);
   std::ranges::sort(out.unfit, {}, &UnfitEdit::number);
   return out;
 }
