@@ -9,11 +9,11 @@
 #include "collinea/base/file.h"
 #include "collinea/base/hash.h"
 #include "collinea/base/memory.h"
-#include "collinea/edit/make_edits.h"
 #include "collinea/project/cost.h"
 #include "collinea/project/given_orientation.h"
 #include "collinea/report/signed_files.h"
 #include "collinea/report/step_words.h"
+#include "collinea/steps/internal/edited_record.h"
 
 namespace collinea {
 namespace {
@@ -132,7 +132,7 @@ Result<> do_step(Project& project, const StepRow& step, Journal& journal) {
   COLLINEA_TRY(const auto before, earlier_record(project, step));
   if (before && before->inputs_hash == inputs_hash && products_exist(project, step, *before)) {
     project.run.say(fmt::format("{:<8} up to date", step.name()));
-    return {};
+    return step.step == Step::kImport ? renew_import_record(project, journal.history()) : Result<>{};
   }
   if (before) COLLINEA_TRY(project.store.erase_step(std::string(step.name())));
   give_back_freed_memory();  // of the steps before

@@ -6,8 +6,8 @@
 
 #include "collinea/base/hash.h"
 #include "collinea/base/units.h"
-#include "collinea/edit/make_edits.h"
 #include "collinea/report/finding_words.h"
+#include "collinea/steps/internal/edited_record.h"
 #include "collinea/steps/internal/import_record.h"
 #include "collinea/steps/step.h"
 
@@ -73,12 +73,6 @@ std::vector<FilmScanRecord> film_records(const Imported& imported) {
   return records;
 }
 
-Finding finding_of_edit(const UnfitEdit& edit) {
-  return finding_of(FindingCode::kEditUnfit, {Subject::control_named(edit.point)},
-                    {{FigureName::kLine, static_cast<double>(edit.number)}}, {},
-                    edit.command + ": " + edit.why.message);
-}
-
 }  // namespace
 
 Result<StepOutput> import_step(Project& project, const std::string&) {
@@ -92,13 +86,16 @@ Result<StepOutput> import_step(Project& project, const std::string&) {
     record.film = film_records(imported);
   }
   record.findings = imported.findings;
-  for (const UnfitEdit& edit : unfit) record.findings.push_back(finding_of_edit(edit));
+  if (journal.number() > 0) {
+    COLLINEA_TRY(record, with_edits(std::move(record), project.store, unfit));
+  }
   record.skipped = imported.skipped;
   for (const Finding& one : imported.skipped)
     project.run.say(
         fmt::format("skipped {}: {}", words_of(one.subjects[0], imported.block), reason_of(one, imported.block)));
+  COLLINEA_TRY(const Block setup, project.store.read_setup_for_names());
   for (const Finding& finding : record.findings)
-    project.run.say("note: " + sentence_of(finding, imported.block, project.run.spelling));
+    project.run.say("note: " + sentence_of(finding, setup, project.run.spelling));
   return StepOutput{hash_of_images(imported), record};
 }
 

@@ -368,6 +368,14 @@ Result<> ProjectStore::write_step(const StepRecord& step) {
   });
 }
 
+Result<> ProjectStore::write_outcome(const StepOutcome& outcome) {
+  return state_->write([&](Database& db) -> Result<> {
+    COLLINEA_TRY(auto update, db.prepare("UPDATE step_records SET record = ? WHERE step = ?"));
+    const std::string name(step_of(outcome)), record = packed(outcome);
+    return update.bind_blob(record).bind_text(name).run();
+  });
+}
+
 Result<> ProjectStore::erase_step(const std::string& name) {
   return state_->write([&](Database& db) -> Result<> {
     COLLINEA_TRY(auto erase, db.prepare("DELETE FROM step_records WHERE step = ?"));

@@ -121,6 +121,8 @@ class ProjectStore {
 
   Result<> write_step(const StepRecord& step);
   Result<> erase_step(const std::string& name);
+  /// What came of a step that is done, as it has to be said now; its inputs and its place among the steps stay.
+  Result<> write_outcome(const StepOutcome& outcome);
   /// Nothing: the step is not done. Errors of this and read_steps: kUnsupported when another version of the program
   /// recorded it, kBadFormat when the record is damaged.
   Result<std::optional<StepRecord>> read_step(const std::string& name) const;

@@ -47,7 +47,7 @@ Result<Block> read_tables(Database& db, Wanted wanted) {
     COLLINEA_TRY(const bool adjusted, is_adjusted(db));
     if (adjusted) tables = &kFoundOrientation;
   }
-  if (wanted != Wanted::kSetup) COLLINEA_TRY(add_removed_control(db, block.control));
+  if (wanted != Wanted::kSetup) COLLINEA_TRY(add_removed_control(db, Removed::kUsed, block.control));
   const auto read = wanted == Wanted::kSetup ? read_control_observations(db, "control_observations", block)
                                              : read_orientation_tables(db, *tables, block);
   if (!read) return tl::unexpected(read.error());
@@ -115,7 +115,7 @@ Result<std::uint64_t> ProjectStore::last_edit() const {
 Result<> ProjectStore::write_orientation(const Block& block) {
   return state_->write([&](Database& db) -> Result<> {
     COLLINEA_TRY(erase_orientation(db));
-    COLLINEA_TRY(keep_removed_control(db, block.control));
+    COLLINEA_TRY(release_removed_control(db, block.control));
     COLLINEA_TRY(write_orientation_tables(db, kCurrentOrientation, block));
     return db.execute("INSERT INTO oriented VALUES (0)");
   });
@@ -166,7 +166,7 @@ Result<Block> ProjectStore::read_setup_for_names() const {
   return state_->read([](Database& db) -> Result<Block> {
     COLLINEA_TRY(const auto transaction, sqlite::Transaction::begin_reading(db));
     COLLINEA_TRY(Block block, read_tables(db, Wanted::kSetup));
-    COLLINEA_TRY(add_removed_control(db, block.control));
+    COLLINEA_TRY(add_removed_control(db, Removed::kAll, block.control));
     return block;
   });
 }

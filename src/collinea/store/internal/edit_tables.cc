@@ -12,7 +12,8 @@ using sqlite::Database;
 const char* const kEditTables = R"sql(
 CREATE TABLE IF NOT EXISTS imported_control (id INTEGER PRIMARY KEY, name TEXT, role TEXT, numbers BLOB);
 CREATE TABLE IF NOT EXISTS imported_control_observations (chunk INTEGER PRIMARY KEY, data BLOB);
-CREATE TABLE IF NOT EXISTS removed_control (id INTEGER PRIMARY KEY, name TEXT, role TEXT, numbers BLOB);
+CREATE TABLE IF NOT EXISTS removed_control (id INTEGER PRIMARY KEY, name TEXT, role TEXT, numbers BLOB,
+                                            used INTEGER);
 CREATE TABLE IF NOT EXISTS edits (id INTEGER PRIMARY KEY CHECK (id = 0), last INTEGER);
 )sql";
 
@@ -35,7 +36,7 @@ Result<> put_imported_aside(Database& db) {
 }
 
 Result<> note_removed(Database& db, const EditedControl& before, const EditedControl& after) {
-  COLLINEA_TRY(auto note, db.prepare("INSERT OR REPLACE INTO removed_control SELECT * FROM control WHERE id = ?"));
+  COLLINEA_TRY(auto note, db.prepare("INSERT OR REPLACE INTO removed_control SELECT *, 1 FROM control WHERE id = ?"));
   for (const auto& [id, point] : before.control)
     if (!after.control.contains(id)) COLLINEA_TRY(note.bind(id.value).run());
   return {};
@@ -85,23 +86,21 @@ Result<> forget_edits(Database& db) {
       "DELETE FROM removed_control;");
 }
 
-Result<> add_removed_control(Database& db, std::map<ControlId, ControlPoint>& control) {
+Result<> add_removed_control(Database& db, Removed which, std::map<ControlId, ControlPoint>& control) {
   COLLINEA_TRY(const bool there, has_edit_tables(db));
   if (!there) return {};
   std::map<ControlId, ControlPoint> removed;
-  COLLINEA_TRY(read_control(db, "removed_control", removed));
+  COLLINEA_TRY(read_control(db, which == Removed::kAll ? "removed_control" : "removed_control WHERE used = 1", removed));
   control.merge(removed);
   return {};
 }
 
-Result<> keep_removed_control(Database& db, const std::map<ControlId, ControlPoint>& control) {
-  COLLINEA_TRY(const auto count, db.integer("SELECT count(*) FROM removed_control"));
-  if (count == 0) return {};
+Result<> release_removed_control(Database& db, const std::map<ControlId, ControlPoint>& control) {
   std::map<ControlId, ControlPoint> removed;
-  COLLINEA_TRY(read_control(db, "removed_control", removed));
-  COLLINEA_TRY(auto erase, db.prepare("DELETE FROM removed_control WHERE id = ?"));
+  COLLINEA_TRY(add_removed_control(db, Removed::kUsed, removed));
+  COLLINEA_TRY(auto release, db.prepare("UPDATE removed_control SET used = 0 WHERE id = ?"));
   for (const auto& [id, point] : removed)
-    if (!control.contains(id)) COLLINEA_TRY(erase.bind(id.value).run());
+    if (!control.contains(id)) COLLINEA_TRY(release.bind(id.value).run());
   return {};
 }
 

@@ -26,10 +26,12 @@ Result<> edit_setup_tables(sqlite::Database& db, const EditControl& edit);
 /// Of a setup that is written anew: nothing was edited yet.
 Result<> forget_edits(sqlite::Database& db);
 
-/// Points that are gone, unless the block has them: an orientation was made with them.
-Result<> add_removed_control(sqlite::Database& db, std::map<ControlId, ControlPoint>& control);
+/// Points that are gone: those that the orientation was made with, or all since the import.
+enum class Removed { kUsed, kAll };
+/// Adds them, where there is no point of their number.
+Result<> add_removed_control(sqlite::Database& db, Removed which, std::map<ControlId, ControlPoint>& control);
 
-/// An orientation was made with these points: those that are gone and not among them are needed no more.
-Result<> keep_removed_control(sqlite::Database& db, const std::map<ControlId, ControlPoint>& control);
+/// An orientation was made with these points: those that are gone and not among them are not of it.
+Result<> release_removed_control(sqlite::Database& db, const std::map<ControlId, ControlPoint>& control);
 
 }  // namespace collinea
