@@ -10,6 +10,7 @@
 #include "collinea/app/console.h"
 #include "collinea/base/file.h"
 #include "collinea/edit/make_edits.h"
+#include "collinea/edit/read_edits.h"
 #include "collinea/serve/edits_json.h"
 
 namespace collinea {

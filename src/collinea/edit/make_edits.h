@@ -35,8 +35,4 @@ struct EditsMade {
 [[nodiscard]] Result<std::vector<UnfitEdit>> write_setup_with_edits(ProjectStore& store, const Block& setup,
                                                                     Journal& journal);
 
-/// The edits in force of a file: a journal, or a list of commands, one a line (empty lines and those that begin with #
-/// are none). What it undoes itself is left out. Errors name the line.
-[[nodiscard]] Result<std::vector<Edit>> read_edits(std::string_view text);
-
 }  // namespace collinea

@@ -7,6 +7,7 @@
 
 #include "collinea/base/file.h"
 #include "collinea/block/world_frame.h"
+#include "collinea/edit/read_edits.h"
 #include "collinea/edit/test_edits.h"
 #include "collinea/store/sqlite.h"
 
