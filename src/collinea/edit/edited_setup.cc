@@ -10,7 +10,7 @@ namespace collinea {
 namespace {
 
 using Marks = std::vector<ControlObservation>;
-using Place = std::pair<ControlId, ImageId>;
+using MarkKey = std::pair<ControlId, ImageId>;
 
 // Undone or not, an edit that is gone from the list counts as a change of its point.
 std::set<std::string> changed_points(const EditableSetup& setup, const EditHistory& history) {
@@ -23,17 +23,17 @@ std::set<std::string> changed_points(const EditableSetup& setup, const EditHisto
 }
 
 // In the order of what was imported; what edits added comes behind it, by point and image.
-Marks in_order(const std::map<Place, Marks>& marks, const Marks& imported) {
+Marks in_order(const std::map<MarkKey, Marks>& marks, const Marks& imported) {
   Marks all;
-  std::map<Place, std::size_t> taken;
+  std::map<MarkKey, std::size_t> taken;
   for (const ControlObservation& one : imported) {
-    const Place place{one.point, one.image};
-    const auto found = marks.find(place);
+    const MarkKey key{one.point, one.image};
+    const auto found = marks.find(key);
     if (found == marks.end()) continue;
-    if (std::size_t& next = taken[place]; next < found->second.size()) all.push_back(found->second[next++]);
+    if (std::size_t& next = taken[key]; next < found->second.size()) all.push_back(found->second[next++]);
   }
-  for (const auto& [place, some] : marks)
-    if (!taken.contains(place)) all.insert(all.end(), some.begin(), some.end());
+  for (const auto& [key, some] : marks)
+    if (!taken.contains(key)) all.insert(all.end(), some.begin(), some.end());
   return all;
 }
 
@@ -94,7 +94,7 @@ EditsInForce edits_in_force(const EditableSetup& setup, const EditHistory& histo
   out.edited =
       is_of_other_history ? EditedControl{setup.imported.control, setup.imported.control_observations} : setup.edited;
   out.edited.last_edit = history.number();
-  std::map<Place, Marks> marks;
+  std::map<MarkKey, Marks> marks;
   for (const ControlObservation& one : out.edited.control_observations) marks[{one.point, one.image}].push_back(one);
   for (const std::string& name : changed_points(setup, history)) {
     EditedPoint edited = points.point(name, &out.unfit);

@@ -69,8 +69,10 @@ Result<> write_at_end(int descriptor, const std::string& bytes, std::uint64_t en
   while (written < 0 && errno == EINTR);
   const bool is_whole = written == static_cast<ssize_t>(bytes.size());
   if (is_whole && ::fsync(descriptor) == 0) return {};
-  const std::string why = written >= 0 && !is_whole ? "the disk is full" : reason();
+  const bool is_full = written >= 0 && !is_whole;
+  const std::string why = reason();
   [[maybe_unused]] const int cut = ::ftruncate(descriptor, static_cast<off_t>(end));
+  if (is_full) return fail(Errc::kBadInput, file.string() + " cannot be written: the disk is full");
   return fail(Errc::kBadInput, file.string() + " cannot be written: " + why);
 }
 
@@ -134,7 +136,7 @@ Result<> Journal::take(std::string_view line) {
     return in_line(std::move(error));
   }));
   if (read.number != number() + 1)
-    return tl::unexpected(in_line({Errc::kBadFormat, fmt::format("its number is {}", read.number)}));
+    return tl::unexpected(in_line(Error{Errc::kBadFormat, fmt::format("its number is {}", read.number)}));
   return history_.add(std::move(read.edit), std::move(read.time)).map_error([&](Error error) {
     error.code = Errc::kBadFormat;
     return in_line(std::move(error));

@@ -46,7 +46,7 @@ TEST_F(EditRoutes, EditsAreMadeUndoneAndRead) {
   EXPECT_EQ(all.at("entries")[1].at("command"), json({"role", "B", "check"}));
   EXPECT_EQ(all.at("entries")[1].at("undone"), true);
   EXPECT_EQ(all.at("entries")[2].at("command"), json({"undo"}));
-  // What was undone since is told again.
+  // What was undone since comes again.
   const json since = read("?since=2");
   ASSERT_EQ(since.at("entries").size(), 2u);
   EXPECT_EQ(since.at("entries")[0].at("number"), 2);
@@ -146,7 +146,7 @@ TEST_F(EditRoutes, EventsSayThatAJournalGrewInWhicheverProgram) {
   const std::vector<Edit> edits = {RemovePoint{"B"}};
   ASSERT_TRUE(make_edits(village(), journal, edits));  // as a command would
   EXPECT_EQ(next_number(events, project()), 2);
-  // Who comes later is told where the journal is.
+  // Who comes later learns where the journal is.
   Connection later(port());
   later.send(head("GET", "/api/events") + "Origin: http://" + host() + "\r\n" + kUpgrade);
   ASSERT_EQ(later.read_answer(false).value().status, 101);
