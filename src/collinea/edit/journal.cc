@@ -88,7 +88,7 @@ Journal::Journal(const fs::path& project) : file_(project / "journal.jsonl") {}
 void Journal::forget() { *this = Journal(file_.parent_path()); }
 
 Result<> Journal::refresh() {
-  const Descriptor opened(::open(file_.c_str(), O_RDONLY | O_CLOEXEC));
+  const Descriptor opened(::open(file_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (opened.value() < 0) {
     if (errno != ENOENT) return fail(Errc::kBadInput, file_.string() + " cannot be read: " + reason());
     forget();
@@ -146,7 +146,7 @@ Result<> Journal::take(std::string_view line) {
 Result<std::uint64_t> Journal::append(const Make& make) {
   const bool is_new = ::access(file_.c_str(), F_OK) != 0;
   int descriptor = -1;
-  do descriptor = ::open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  do descriptor = ::open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK, 0644);
   while (descriptor < 0 && errno == EINTR);
   const Descriptor opened(descriptor);
   if (descriptor < 0) return fail(Errc::kBadInput, file_.string() + " cannot be written: " + reason());
