@@ -60,7 +60,7 @@ TEST_F(EditCommand, MakesListsUndoesAndReplays) {
   EXPECT_EQ(json.at("redo"), "point N check - - -3.5 - - 0.02");
   EXPECT_EQ(edit_in(other_, {"replay", project_ + "/journal.jsonl"}).out,
             "edit 1: mark P1 a.jpg 12.5 30.25 0.3\nedit 2: mark P1 \"b c.jpg\" 1 2 0.5\n");
-  EXPECT_EQ(ProjectStore::open(project_)->setup_hash(), ProjectStore::open(other_)->setup_hash());
+  EXPECT_EQ(ProjectStore::open(project_)->setup_hash().value(), ProjectStore::open(other_)->setup_hash().value());
   EXPECT_EQ(edit({"redo", "--json"}).out, "{\"number\":5}\n");
 }
 
