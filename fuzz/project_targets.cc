@@ -3,6 +3,9 @@
 
 #include <memory>
 
+#include "collinea/edit/edit_history.h"
+#include "collinea/edit/journal_line.h"
+#include "collinea/edit/read_edits.h"
 #include "collinea/project/seamlines_file.h"
 #include "collinea/project/settings.h"
 #include "target.h"
@@ -31,6 +34,43 @@ std::vector<std::string> settings_seeds() {
   chosen.orient.max_error_px = 2.5;
   return {settings_seed(chosen),
           R"({"photos": "/a", "seed": 3, "options": {"detect": {}, "orient": {"max_error_px": 2}, "ortho": {}}})"};
+}
+
+// Each line of it, one after the other; what was read is written as the same.
+bool accepts_journal(std::string_view bytes) {
+  EditHistory history;
+  std::size_t begin = 0;
+  for (std::size_t end = 0; (end = bytes.find('\n', begin)) != std::string_view::npos; begin = end + 1) {
+    const auto line = parse_journal_line(bytes.substr(begin, end - begin));
+    if (!line) return false;
+    const auto again = parse_journal_line(text_of(*line));
+    COLLINEA_CHECK(again && again->number == line->number && again->time == line->time &&
+                   again->replaced == line->replaced && words_of(again->edit) == words_of(line->edit));
+    if (!history.add(line->edit, line->time)) return false;
+  }
+  return history.number() > 0;
+}
+
+std::string journal_seed() {
+  const Edit mark = MarkPoint{.point = "P 1", .image = "a.jpg", .pixel = {1200.31, 800.2}, .sigma_px = 0.05};
+  const Edit point = SetPoint{.point = "N", .position_in_map = {500100.5, {}, -4.0}, .sigma_m = {}};
+  std::uint64_t number = 0;
+  std::string text;
+  for (const Edit& edit : {mark, point, Edit(Undo{}), Edit(Redo{}), Edit(RemovePoint{"N"})})
+    text += text_of({++number, "2026-11-28T01:02:03Z", edit, {{"unmark", "P 1", "a.jpg"}}}) + "\n";
+  return text;
+}
+
+// A list of commands, or a journal: what is in force can be said again as a list, which reads as the same.
+bool accepts_edits(std::string_view bytes) {
+  const auto edits = read_edits(bytes);
+  if (!edits) return false;
+  std::string list;
+  for (const Edit& edit : *edits) list += line_of(words_of(edit)) + "\n";
+  const auto again = read_edits(list);
+  COLLINEA_CHECK(again && again->size() == edits->size());
+  for (std::size_t i = 0; i < edits->size(); ++i) COLLINEA_CHECK(words_of((*again)[i]) == words_of((*edits)[i]));
+  return true;
 }
 
 Block two_images() {
@@ -125,6 +165,11 @@ std::string row_seed() {
 
 std::vector<Target> project_targets() {
   return {{"project_json", accepts_settings, settings_seeds()},
+          {"journal", accepts_journal, {journal_seed()}},
+          {"edits",
+           accepts_edits,
+           {"# by hand\nmark \"P 1\" a.jpg 1200.31 800.2 0.05\npoint N check 500100.5 - 420 0.02 - 0.03\nundo\nredo\n",
+            journal_seed()}},
           {"geopackage",
            [](std::string_view bytes) { return accepts_seamlines(file_of(bytes, "a.gpkg")); },
            {bytes_of(small_geopackage("seed.gpkg"))}},

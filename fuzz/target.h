@@ -23,7 +23,7 @@ struct Target {
 [[nodiscard]] std::vector<Target> orientation_targets();  ///< COLMAP, Bundler, omega-phi-kappa
 [[nodiscard]] std::vector<Target> image_targets();        ///< JPEG, PNG, TIFF and their headers, float TIFF, GeoTIFF
 [[nodiscard]] std::vector<Target> cloud_targets();        ///< LAS, LAZ, COPC, PLY
-[[nodiscard]] std::vector<Target> project_targets();      ///< project.json, seamlines (GeoPackage)
+[[nodiscard]] std::vector<Target> project_targets();      ///< project.json, journal, edits, seamlines (GeoPackage)
 
 [[nodiscard]] std::vector<Target> all_targets();
 

@@ -49,6 +49,7 @@ Command verify_command();
 Command evaluate_command();
 Command grid_command();
 Command interior_command();
+Command edit_command();
 Command serve_command();
 
 /// Commands under one heading of the help.
@@ -75,6 +76,7 @@ struct CommandGroup {
            step_command(Step::kOrtho, "orthophoto (Cloud-Optimised GeoTIFF)"),
            step_command(Step::kReport, "quality report (HTML and JSON)"),
            info_command(),
+           edit_command(),
            verify_command(),
            serve_command(),
        }},

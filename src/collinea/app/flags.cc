@@ -29,11 +29,21 @@ std::string with_choices(std::string_view help, const std::vector<Choice>& choic
   return text;
 }
 
-// "--snoop yes" is "--snoop=yes": flags without a value may have one of these behind them.
-std::vector<std::string> with_answers(int argc, char** argv, const CLI::App& command) {
+// "-12.5": no flag begins with a digit.
+bool is_below_zero(std::string_view word) {
+  return word.size() > 1 && word[0] == '-' && (word[1] == '.' || (word[1] >= '0' && word[1] <= '9'));
+}
+
+// "--snoop yes" is "--snoop=yes": flags without a value may have one of these behind them. A space hides the minus of a
+// number from who looks for flags.
+std::vector<std::string> with_answers(int argc, char** argv, const CLI::App& command, bool takes_words) {
   std::vector<std::string> words;
   for (int i = 1; i < argc; ++i) {
     const std::string_view word = argv[i];
+    if (takes_words && is_below_zero(word)) {
+      words.push_back(" " + std::string(word));
+      continue;
+    }
     const bool answers = word == "yes" || word == "no" || word == "true" || word == "false";
     const CLI::Option* asked = answers && words.size() > 1 && words.back().starts_with("--")
                                    ? command.get_option_no_throw(words.back())
@@ -132,6 +142,14 @@ void Flags::positional(std::string_view name, std::vector<std::string>& values, 
   app_.add_option(std::string(name), values, std::string(help));
 }
 
+void Flags::words(std::string_view name, std::vector<std::string>& values, std::string_view help) {
+  takes_words_ = true;
+  const auto take = [&values](const std::vector<std::string>& words) {
+    for (const std::string& word : words) values.push_back(word.starts_with(" -") ? word.substr(1) : word);
+  };
+  app_.add_option_function<std::vector<std::string>>(std::string(name), take, std::string(help))->required();
+}
+
 void Flags::required(std::string_view short_form, std::string_view name, std::string& value, std::string_view help) {
   app_.add_option(std::string(short_form) + "," + new_flag(name), value, std::string(help))->required();
 }
@@ -193,14 +211,17 @@ int dispatch(int argc, char** argv, std::span<const Command> commands) {
     command.declare(flags.emplace_back(*sub));
   }
   const std::string_view first = argc > 1 ? argv[1] : "";
-  const bool known =
-      std::any_of(commands.begin(), commands.end(), [&](const Command& command) { return command.name == first; });
+  const auto its =
+      std::find_if(commands.begin(), commands.end(), [&](const Command& command) { return command.name == first; });
+  const bool known = its != commands.end();
   if (!known && !first.empty() && !first.starts_with('-')) {
     fmt::print(stderr, "error: no command is called \"{}\"; `collinea --help` lists them\n", first);
     return exit_code(Errc::kBadInput);
   }
   try {
-    std::vector<std::string> words = with_answers(argc, argv, known ? *app.get_subcommand(std::string(first)) : app);
+    const bool takes_words = known && flags[static_cast<std::size_t>(its - commands.begin())].takes_words();
+    std::vector<std::string> words =
+        with_answers(argc, argv, known ? *app.get_subcommand(std::string(first)) : app, takes_words);
     std::reverse(words.begin(), words.end());  // as CLI11 takes them
     app.parse(std::move(words));
   } catch (const CLI::ParseError& error) {

@@ -37,6 +37,9 @@ class Flags {
   void positional(std::string_view name, std::string& value, std::string_view help, bool required = true);
   /// Any number of them, also none; the last of the positional ones.
   void positional(std::string_view name, std::vector<std::string>& values, std::string_view help);
+  /// The same of words that may be numbers below zero, which look like flags; at least one.
+  void words(std::string_view name, std::vector<std::string>& values, std::string_view help);
+  [[nodiscard]] bool takes_words() const { return takes_words_; }
   /// A flag with a short form: "-o".
   void required(std::string_view short_form, std::string_view name, std::string& value, std::string_view help);
 
@@ -96,6 +99,7 @@ class Flags {
 
   CLI::App& app_;
   std::string group_;
+  bool takes_words_ = false;
   std::map<std::pair<std::string, std::string>, std::string> flags_;  ///< by group and name of option
 };
 

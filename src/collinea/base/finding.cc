@@ -192,6 +192,7 @@ constexpr CodeRow kCodes[] = {
     {C::kReadingsContested, "readings_contested", kWeak, F::kCount},
     {C::kReadingsGross, "readings_gross", kNote, F::kCount},
     {C::kSeenFromBehind, "seen_from_behind", kNote},
+    {C::kEditUnfit, "edit_unfit", kWrong, F::kLine},
 };
 
 struct FigureRow {

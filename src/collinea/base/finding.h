@@ -196,8 +196,10 @@ enum class FindingCode : std::uint8_t {
   kReadingsContested,       ///< of a mark, none of which is outvoted
   kReadingsGross,           ///< left out
   kSeenFromBehind,          ///< a scan of a film from its back
+  // Edits by hand
+  kEditUnfit,  ///< an edit of a point (and in an image) that does not fit what was imported; the detail: it, and why
 };
-inline constexpr std::size_t kFindingCodes = static_cast<std::size_t>(FindingCode::kSeenFromBehind) + 1;
+inline constexpr std::size_t kFindingCodes = static_cast<std::size_t>(FindingCode::kEditUnfit) + 1;
 
 /// What a figure is. Its unit belongs to it; both are in the word: "offset_m".
 enum class FigureName : std::uint8_t {

@@ -20,6 +20,7 @@
 #include "collinea/import/internal/import_location.h"
 #include "collinea/import/internal/import_positions.h"
 #include "collinea/import/reason.h"
+#include "collinea/import/unseen_control.h"
 #include "collinea/raster/image_file.h"
 
 namespace collinea {
@@ -316,7 +317,7 @@ Result<Imported> import_images(const fs::path& photos, const ImportOptions& opti
   COLLINEA_TRY(location_on_earth(imported, options, control));
   COLLINEA_TRY(add_map_attitudes(imported, positions));
   if (options.geodetic) COLLINEA_TRY(add_geodetic(imported, *options.geodetic));
-  name_unseen_control(imported);
+  imported.findings = with_unseen_control(std::move(imported.findings), imported.block);
   if (imported.film) name_poor_scans(imported);
   if (!options.control) name_control_not_given(photos, imported);
   return imported;

@@ -21,7 +21,7 @@ const AdjustmentRecord* ProjectInfo::adjustment() const { return record_in<Adjus
 
 Result<ProjectInfo> project_info(const ProjectStore& store) {
   ProjectInfo info;
-  COLLINEA_TRY(info.setup, store.read_setup());
+  COLLINEA_TRY(info.setup, store.read_setup_for_names());
   COLLINEA_TRY(info.steps, store.read_steps());
   return info;
 }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "collinea/base/result.h"
+#include "collinea/serve/edit_journals.h"
 #include "collinea/serve/job_board.h"
 #include "collinea/serve/project_files.h"
 #include "collinea/store/project_store.h"
@@ -23,8 +24,8 @@ namespace collinea {
 /// The findings of all steps that are done, as in reports.
 [[nodiscard]] Result<std::string> project_findings(const ProjectStore& store);
 
-/// {"number", "jobs": [...], "log": [{"job", "line"}]}.
-[[nodiscard]] std::string changes_json(const JobChanges& changes);
+/// {"number", "jobs": [...], "log": [{"job", "line"}], "edits": [{"project", "number"}]}; "edits" where a journal grew.
+[[nodiscard]] std::string changes_json(const JobChanges& changes, std::span<const GrownJournal> grown = {});
 
 /// {"job"}.
 [[nodiscard]] std::string job_json(std::uint64_t id);

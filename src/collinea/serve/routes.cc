@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/serve/routes.h"
 
-#include <charconv>
-
 #include "collinea/project/settings_change.h"
-#include "collinea/report/error_text.h"
+#include "collinea/serve/edit_routes.h"
 #include "collinea/serve/internal/byte_range.h"
 #include "collinea/serve/internal/json_answer.h"
 #include "collinea/serve/internal/page.h"
@@ -15,32 +13,6 @@
 
 namespace collinea {
 namespace {
-
-// The HTTP status of each kind of failure.
-constexpr int http_status(Errc code) {
-  switch (code) {
-    case Errc::kBadInput:
-      return 400;
-    case Errc::kNotFound:
-      return 404;
-    case Errc::kBadFormat:
-    case Errc::kIllPosed:
-    case Errc::kNotConverged:
-      return 422;
-    case Errc::kUnsupported:
-      return 501;
-    case Errc::kCancelled:
-      return 409;
-  }
-  return 500;
-}
-
-// Options have their names, as in what is asked.
-HttpResponse failure(const Error& error) { return error_answer(http_status(error.code), text_of(error, {})); }
-
-HttpResponse outcome(const Result<std::string>& text) { return text ? json_answer(*text) : failure(text.error()); }
-
-HttpResponse not_found() { return error_answer(404, "there is nothing of this name"); }
 
 HttpResponse only(const std::string& methods) {
   HttpResponse response = error_answer(405, "this is asked in another way: " + methods);
@@ -84,13 +56,6 @@ HttpResponse file_response(const HttpRequest& request, const ServedProject& proj
   return response;
 }
 
-std::optional<std::uint64_t> number_of(std::string_view text) {
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 HttpResponse new_job(const HttpRequest& request, const ServedProject& project, Site& site) {
   if (!request.header("content-type").starts_with("application/json"))
     return error_answer(415, "a job is described as application/json");
@@ -101,7 +66,7 @@ HttpResponse new_job(const HttpRequest& request, const ServedProject& project, S
     job.project = project;
     return job;
   }();
-  if (!asked) return failure(asked.error());
+  if (!asked) return error_answer(asked.error());
   const auto id = site.board.add(*std::move(asked));
   if (!id)
     return error_answer(503, std::to_string(JobBoard::kMostWaiting) + " jobs are waiting: stop some, or ask later");
@@ -109,7 +74,8 @@ HttpResponse new_job(const HttpRequest& request, const ServedProject& project, S
 }
 
 HttpResponse settings_of(const ServedProject& project) {
-  return outcome(read_settings(project.folder).map([](const Settings& settings) { return settings_text(settings); }));
+  return answer_or_error(
+      read_settings(project.folder).map([](const Settings& settings) { return settings_text(settings); }));
 }
 
 // Below /api/projects/ID.
@@ -118,13 +84,14 @@ HttpResponse project_response(const HttpRequest& request, const Target& target, 
   if (!project) return not_found();
   const std::string what = target.path.size() > 3 ? target.path[3] : "";
   const bool reads = request.method != "POST";
-  if (target.path.size() == 3) return reads ? outcome(project_json(*project)) : only("GET");
+  if (target.path.size() == 3) return reads ? answer_or_error(project_json(*project)) : only("GET");
   if (what == "files") {
     if (!reads) return only("GET");
     return file_response(request, *project, std::span(target.path).subspan(4));
   }
   if (target.path.size() > 4) return not_found();
   if (what == "jobs") return reads ? only("POST") : new_job(request, *project, site);
+  if (what == "edits") return edits_response(request, target, *project, *site.journals);
   if (what == "settings") return reads ? settings_of(*project) : only("GET");
   return not_found();
 }

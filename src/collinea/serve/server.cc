@@ -166,7 +166,7 @@ net::awaitable<void> listen_to(std::shared_ptr<Socket> socket, std::shared_ptr<b
 net::awaitable<void> send_events(beast::tcp_stream stream, http::request<http::string_body> message,
                                  std::shared_ptr<Shared> shared) {
   error_code error;
-  std::uint64_t number = asked_since(std::string(message.target()));
+  std::uint64_t number = asked_since(std::string(message.target())), journal_change = 0;
   stream.expires_never();  // WebSockets have times of their own
   auto socket = std::make_shared<Socket>(std::move(stream));
   const Closing closing(socket);
@@ -182,10 +182,12 @@ net::awaitable<void> send_events(beast::tcp_stream stream, http::request<http::s
   bool first = true;
   while (*open && !error) {
     const JobChanges changes = shared->site.board.since(number);
-    if (first || changes.number != number) {
+    const JournalChanges journals = shared->site.journals->since(journal_change, shared->site.roots);
+    if (first || changes.number != number || !journals.grown.empty()) {
       number = changes.number;
+      journal_change = journals.change;
       first = false;
-      const std::string text = changes_json(changes);
+      const std::string text = changes_json(changes, journals.grown);
       co_await socket->async_write(net::buffer(text), completion(error));
     }
     timer.expires_after(kEventInterval);

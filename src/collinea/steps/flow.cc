@@ -13,6 +13,7 @@
 #include "collinea/project/given_orientation.h"
 #include "collinea/report/signed_files.h"
 #include "collinea/report/step_words.h"
+#include "collinea/steps/internal/edited_record.h"
 
 namespace collinea {
 namespace {
@@ -108,12 +109,30 @@ Result<std::optional<StepRecord>> earlier_record(Project& project, const StepRow
   return std::nullopt;
 }
 
-Result<> do_step(Project& project, const StepRow& step) {
+// What people changed since, where a step at work kept them from the database.
+Result<> take_edits(Project& project, Journal& journal) {
+  COLLINEA_TRY(const std::vector<UnfitEdit> unfit, apply_edits(project.store, journal));
+  for (const UnfitEdit& edit : unfit)
+    project.run.say(fmt::format("note: edit {} is left out: {}: {}", edit.number, edit.command, edit.why.message));
+  return {};
+}
+
+// Edits that came while a step was at work may have been seen by it, or not: what it made counts as of other inputs,
+// also where they were undone since.
+Result<std::string> unless_edited(const Project& project, const StepRow& step, std::uint64_t last_edit,
+                                  const std::string& inputs_hash) {
+  COLLINEA_TRY(const std::uint64_t now, project.store.last_edit());
+  return step.reads_setup && now != last_edit ? inputs_hash + " edited" : inputs_hash;
+}
+
+Result<> do_step(Project& project, const StepRow& step, Journal& journal) {
+  COLLINEA_TRY(take_edits(project, journal));
+  COLLINEA_TRY(const std::uint64_t last_edit, project.store.last_edit());
   COLLINEA_TRY(const std::string inputs_hash, inputs_hash_of(project, step));
   COLLINEA_TRY(const auto before, earlier_record(project, step));
   if (before && before->inputs_hash == inputs_hash && products_exist(project, step, *before)) {
     project.run.say(fmt::format("{:<8} up to date", step.name()));
-    return {};
+    return step.step == Step::kImport ? renew_import_record(project, journal.history()) : Result<>{};
   }
   if (before) COLLINEA_TRY(project.store.erase_step(std::string(step.name())));
   give_back_freed_memory();  // of the steps before
@@ -128,8 +147,9 @@ Result<> do_step(Project& project, const StepRow& step) {
   if (skipped_because(output.outcome))
     for (const char* product : step.products) COLLINEA_TRY(remove_file(product_path(project, product)));
   COLLINEA_CHECK(step_of(output.outcome) == step.name());
-  const StepRecord record{inputs_hash,        output.output_hash,       cost.seconds(),
-                          cost.cpu_seconds(), cost.peak_memory_bytes(), output.outcome};
+  COLLINEA_TRY(const std::string made_of, unless_edited(project, step, last_edit, inputs_hash));
+  const StepRecord record{
+      made_of, output.output_hash, cost.seconds(), cost.cpu_seconds(), cost.peak_memory_bytes(), output.outcome};
   COLLINEA_TRY(project.store.write_step(record));
   project.run.say(fmt::format("{:<8} {} ({:.1f} s, {:.1f} CPU-s, {:.0f} MB)", step.name(), summary_of(record.outcome),
                               record.seconds, record.cpu_seconds, record.peak_memory_bytes / 1e6));
@@ -155,8 +175,9 @@ Result<> record_done(Project& project, const StepOutput& output) {
 
 Result<> bring_up_to(Project& project, Step last) {
   COLLINEA_CHECK(is_in_order(steps(), std::size(kStepWords), &StepRow::step));
+  Journal journal(project.folder);
   for (const StepRow& step : steps()) {
-    COLLINEA_TRY(do_step(project, step));
+    COLLINEA_TRY(do_step(project, step, journal));
     if (last == step.step) break;
   }
   return {};

@@ -7,6 +7,7 @@
 #include "collinea/base/hash.h"
 #include "collinea/base/units.h"
 #include "collinea/report/finding_words.h"
+#include "collinea/steps/internal/edited_record.h"
 #include "collinea/steps/internal/import_record.h"
 #include "collinea/steps/step.h"
 
@@ -76,7 +77,8 @@ std::vector<FilmScanRecord> film_records(const Imported& imported) {
 
 Result<StepOutput> import_step(Project& project, const std::string&) {
   COLLINEA_TRY(const Imported imported, import_images(project.settings.photos, project.settings.import, project.run));
-  COLLINEA_TRY(project.store.write_setup(imported.block));
+  Journal journal(project.folder);
+  COLLINEA_TRY(const std::vector<UnfitEdit> unfit, write_setup_with_edits(project.store, imported.block, journal));
 
   ImportRecord record = record_of(imported.block);
   if (imported.film) {
@@ -84,12 +86,16 @@ Result<StepOutput> import_step(Project& project, const std::string&) {
     record.film = film_records(imported);
   }
   record.findings = imported.findings;
+  if (journal.number() > 0) {
+    COLLINEA_TRY(record, with_edits(std::move(record), project.store, unfit));
+  }
   record.skipped = imported.skipped;
   for (const Finding& one : imported.skipped)
     project.run.say(
         fmt::format("skipped {}: {}", words_of(one.subjects[0], imported.block), reason_of(one, imported.block)));
-  for (const Finding& finding : imported.findings)
-    project.run.say("note: " + sentence_of(finding, imported.block, project.run.spelling));
+  COLLINEA_TRY(const Block setup, project.store.read_setup_for_names());
+  for (const Finding& finding : record.findings)
+    project.run.say("note: " + sentence_of(finding, setup, project.run.spelling));
   return StepOutput{hash_of_images(imported), record};
 }
 

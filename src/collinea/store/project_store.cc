@@ -8,6 +8,7 @@
 
 #include "collinea/base/file.h"
 #include "collinea/base/packed.h"
+#include "collinea/store/internal/edit_tables.h"
 #include "collinea/store/internal/project_store_state.h"
 
 namespace collinea {
@@ -86,8 +87,8 @@ Result<> check_tables(Database& database) {
 Result<> add_later_tables(Database& database) {
   COLLINEA_TRY(const auto there,
                database.integer("SELECT count(*) FROM sqlite_master WHERE name IN ('ground', 'step_records', "
-                                "'point_covariances')"));
-  return there == 3 ? Result<>{} : database.execute(kLaterTables);
+                                "'point_covariances', 'edits')"));
+  return there == 4 ? Result<>{} : database.execute(std::string(kLaterTables) + kEditTables);
 }
 
 Result<> prepare(Database& database) {
@@ -197,7 +198,7 @@ ProjectStore::ProjectStore(ProjectStore&&) noexcept = default;
 ProjectStore& ProjectStore::operator=(ProjectStore&&) noexcept = default;
 ProjectStore::~ProjectStore() = default;
 
-Result<ProjectStore> ProjectStore::open(const std::filesystem::path& project) {
+Result<ProjectStore> ProjectStore::open(const std::filesystem::path& project, std::chrono::milliseconds patience) {
   std::error_code error;
   std::filesystem::create_directories(project, error);
   if (error || !std::filesystem::is_directory(project))
@@ -206,7 +207,7 @@ Result<ProjectStore> ProjectStore::open(const std::filesystem::path& project) {
   store.state_->folder = project;
   const std::filesystem::path file = project / "block.db";
   const auto with_name = [&](Error e) { return std::move(e).within(file.string()); };
-  COLLINEA_TRY(store.state_->database, Database::open(file).map_error(with_name));
+  COLLINEA_TRY(store.state_->database, Database::open(file, patience).map_error(with_name));
   COLLINEA_TRY([[maybe_unused]] const auto ready,
                prepare(store.state_->database).map([] { return true; }).map_error(with_name));
   return store;
@@ -364,6 +365,14 @@ Result<> ProjectStore::write_step(const StepRecord& step) {
     insert.bind_text(name).bind_text(step.inputs_hash).bind_text(step.output_hash);
     insert.bind(step.seconds).bind(step.cpu_seconds).bind(step.peak_memory_bytes);
     return insert.bind_blob(record).run();
+  });
+}
+
+Result<> ProjectStore::write_outcome(const StepOutcome& outcome) {
+  return state_->write([&](Database& db) -> Result<> {
+    COLLINEA_TRY(auto update, db.prepare("UPDATE step_records SET record = ? WHERE step = ?"));
+    const std::string name(step_of(outcome)), record = packed(outcome);
+    return update.bind_blob(record).bind_text(name).run();
   });
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -14,6 +15,7 @@
 #include "collinea/base/result.h"
 #include "collinea/block/block.h"
 #include "collinea/block/features.h"
+#include "collinea/store/editable_setup.h"
 #include "collinea/store/step_records.h"
 
 namespace collinea {
@@ -51,9 +53,10 @@ struct ProjectStoreState;
 /// at once (calls are serialised inside). A killed program loses at most the call in work.
 class ProjectStore {
  public:
-  /// Opens PROJECT/block.db, created when missing. Errors: folder cannot be made, not a collinea database, newer
-  /// schema.
-  static Result<ProjectStore> open(const std::filesystem::path& project);
+  /// Opens PROJECT/block.db, created when missing. `patience`: how long a call waits for another program's writing.
+  /// Errors: folder cannot be made, not a collinea database, newer schema.
+  static Result<ProjectStore> open(const std::filesystem::path& project,
+                                   std::chrono::milliseconds patience = std::chrono::seconds(10));
 
   /// Opens what is there to look at it, also where the folder cannot be written: every write is an error then. Errors:
   /// no block.db, and as above.
@@ -64,9 +67,15 @@ class ProjectStore {
   [[nodiscard]] const std::filesystem::path& folder() const;  ///< PROJECT
 
   /// Georeference, cameras, images, control with its observations and what was measured on the ground: what is known
-  /// before orientation. Replaces all of it. An orientation of images or control points that are no longer there is
-  /// erased; another one stays.
-  Result<> write_setup(const Block& block);
+  /// before orientation. Replaces all of it; `edit`: and makes the control what edits say, before anybody sees it
+  /// without. An orientation of images or control points that are no longer there is erased; another one stays.
+  Result<> write_setup(const Block& block, const EditControl& edit = {});
+  /// Makes the control what edits say, in one transaction; rows alone that differ are written. An orientation stays as
+  /// it is, with the points it was made with.
+  Result<> edit_setup(const EditControl& edit);
+  Result<EditableSetup> read_editable_setup() const;
+  /// The number of the last edit that the setup holds; 0 without any.
+  Result<std::uint64_t> last_edit() const;
   /// Cameras, poses, tie points, observations, control observations of an oriented block. Replaces all of it, and what
   /// an adjustment left.
   Result<> write_orientation(const Block& block);
@@ -77,7 +86,8 @@ class ProjectStore {
   Result<Block> read_found() const;
   /// Of the adjusted block; empty where it was not adjusted, or nothing was known.
   Result<BlockCovariances> read_covariances() const;
-  /// Everything in one block. Before orientation there are no poses; cameras and control observations are as set up.
+  /// Everything in one block; with the control points of the setup those that the orientation was made with and that
+  /// edits have removed since. Before orientation there are no poses; cameras and control observations are as set up.
   Result<Block> read_block() const;
   /// As read_block, without tie points and their observations, which take more memory than all the rest.
   Result<Block> read_orientation() const;
@@ -86,6 +96,8 @@ class ProjectStore {
   Result<> read_ties(const Block& block, const TakeTie& take) const;
   /// As read_block, but as it was set up: no poses, no points, cameras and control observations before adjustment.
   Result<Block> read_setup() const;
+  /// The same with control points that edits removed, which records of steps may still name.
+  Result<Block> read_setup_for_names() const;
 
   /// A fingerprint of all that write_setup wrote.
   Result<std::uint64_t> setup_hash() const;
@@ -109,6 +121,8 @@ class ProjectStore {
 
   Result<> write_step(const StepRecord& step);
   Result<> erase_step(const std::string& name);
+  /// What came of a step that is done, as it has to be said now; its inputs and its place among the steps stay.
+  Result<> write_outcome(const StepOutcome& outcome);
   /// Nothing: the step is not done. Errors of this and read_steps: kUnsupported when another version of the program
   /// recorded it, kBadFormat when the record is damaged.
   Result<std::optional<StepRecord>> read_step(const std::string& name) const;

@@ -7,6 +7,7 @@
 
 #include "collinea/base/hash.h"
 #include "collinea/store/internal/covariance_tables.h"
+#include "collinea/store/internal/edit_tables.h"
 #include "collinea/store/internal/orientation_tables.h"
 #include "collinea/store/internal/project_store_state.h"
 #include "collinea/store/internal/setup_tables.h"
@@ -46,6 +47,7 @@ Result<Block> read_tables(Database& db, Wanted wanted) {
     COLLINEA_TRY(const bool adjusted, is_adjusted(db));
     if (adjusted) tables = &kFoundOrientation;
   }
+  if (wanted != Wanted::kSetup) COLLINEA_TRY(add_removed_control(db, Removed::kUsed, block.control));
   const auto read = wanted == Wanted::kSetup ? read_control_observations(db, "control_observations", block)
                                              : read_orientation_tables(db, *tables, block);
   if (!read) return tl::unexpected(read.error());
@@ -86,16 +88,34 @@ Result<std::uint64_t> ProjectStore::setup_hash() const {
   });
 }
 
-Result<> ProjectStore::write_setup(const Block& block) {
+Result<> ProjectStore::write_setup(const Block& block, const EditControl& edit) {
   return state_->write([&](Database& db) -> Result<> {
     COLLINEA_TRY(write_setup_tables(db, block));
+    COLLINEA_TRY(forget_edits(db));
+    if (edit) COLLINEA_TRY(edit_setup_tables(db, edit));
     return read_tables(db, Wanted::kAll) ? Result<>{} : erase_orientation(db);  // it was of another setup
   });
+}
+
+Result<> ProjectStore::edit_setup(const EditControl& edit) {
+  return state_->write([&](Database& db) { return edit_setup_tables(db, edit); });
+}
+
+Result<EditableSetup> ProjectStore::read_editable_setup() const {
+  return state_->read([](Database& db) -> Result<EditableSetup> {
+    COLLINEA_TRY(const auto transaction, sqlite::Transaction::begin_reading(db));
+    return collinea::read_editable_setup(db);
+  });
+}
+
+Result<std::uint64_t> ProjectStore::last_edit() const {
+  return state_->read([](Database& db) { return read_last_edit(db); });
 }
 
 Result<> ProjectStore::write_orientation(const Block& block) {
   return state_->write([&](Database& db) -> Result<> {
     COLLINEA_TRY(erase_orientation(db));
+    COLLINEA_TRY(release_removed_control(db, block.control));
     COLLINEA_TRY(write_orientation_tables(db, kCurrentOrientation, block));
     return db.execute("INSERT INTO oriented VALUES (0)");
   });
@@ -140,6 +160,15 @@ Result<> ProjectStore::read_ties(const Block& block, const TakeTie& take) const 
 
 Result<Block> ProjectStore::read_setup() const {
   return state_->read([](Database& db) { return read_consistently(db, Wanted::kSetup); });
+}
+
+Result<Block> ProjectStore::read_setup_for_names() const {
+  return state_->read([](Database& db) -> Result<Block> {
+    COLLINEA_TRY(const auto transaction, sqlite::Transaction::begin_reading(db));
+    COLLINEA_TRY(Block block, read_tables(db, Wanted::kSetup));
+    COLLINEA_TRY(add_removed_control(db, Removed::kAll, block.control));
+    return block;
+  });
 }
 
 }  // namespace collinea

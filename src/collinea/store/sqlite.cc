@@ -6,8 +6,6 @@
 namespace collinea::sqlite {
 namespace {
 
-constexpr int kBusyTimeout_ms = 10'000;
-
 tl::unexpected<Error> failure(sqlite3* database, int code) {
   const std::string reason = database ? sqlite3_errmsg(database) : sqlite3_errstr(code);
   switch (code & 0xff) {
@@ -102,14 +100,14 @@ std::string_view Statement::blob(int column) const {
 
 void Database::Close::operator()(sqlite3* database) const { sqlite3_close_v2(database); }
 
-Result<Database> Database::open(const std::filesystem::path& path) {
+Result<Database> Database::open(const std::filesystem::path& path, std::chrono::milliseconds patience) {
   sqlite3* raw = nullptr;
   const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
   const int code = sqlite3_open_v2(path.c_str(), &raw, flags, nullptr);
   Database database;
   database.database_.reset(raw);  // also a failed open leaves a handle, with the reason in it
   if (code != SQLITE_OK) return failure(raw, code);
-  sqlite3_busy_timeout(raw, kBusyTimeout_ms);
+  sqlite3_busy_timeout(raw, static_cast<int>(patience.count()));
   return database;
 }
 
@@ -131,7 +129,7 @@ Result<Database> Database::open_read_only(const std::filesystem::path& path) {
   Database database;
   database.database_.reset(raw);
   if (code != SQLITE_OK) return failure(raw, code);
-  sqlite3_busy_timeout(raw, kBusyTimeout_ms);
+  sqlite3_busy_timeout(raw, static_cast<int>(kPatience.count()));
   return database;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -13,6 +14,9 @@ struct sqlite3;
 struct sqlite3_stmt;
 
 namespace collinea::sqlite {
+
+/// How long another program's writing is waited for.
+inline constexpr std::chrono::milliseconds kPatience{10'000};
 
 /// A compiled SQL statement. Parameters are bound in order, from the first again after each run.
 class Statement {
@@ -51,7 +55,7 @@ class Statement {
 class Database {
  public:
   /// Opens or creates; the file is looked at only by the first statement.
-  static Result<Database> open(const std::filesystem::path& path);
+  static Result<Database> open(const std::filesystem::path& path, std::chrono::milliseconds patience = kPatience);
   /// For reading only, without any file made beside it. What another program has not yet moved from its journal into
   /// the file is seen when that journal can be read.
   static Result<Database> open_read_only(const std::filesystem::path& path);

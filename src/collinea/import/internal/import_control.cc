@@ -116,23 +116,6 @@ Result<> add_control(Imported& imported, const ControlFile& control, const Local
   return {};
 }
 
-// With one ray a control point still holds its image, but nobody would notice a gross error in it.
-Finding hardly_seen(ControlId id, const ControlPoint& point, int images) {
-  if (images == 0) return finding_of(FindingCode::kControlUnseen, {id});
-  if (point.role == ControlRole::kCheck) return finding_of(FindingCode::kCheckSeenOnce, {id});
-  return finding_of(FindingCode::kControlSeenOnce, {id}, {}, {RemedyCode::kMeasureInAnother});
-}
-
-void name_unseen_control(Imported& imported) {
-  const Block& block = imported.block;
-  std::map<ControlId, int> seen;
-  for (const ControlObservation& observation : block.control_observations) ++seen[observation.point];
-  std::set<ControlId> on_ground;  // there it may be placed without any image
-  for (const GeodeticObservation& one : block.geodetic) on_ground.insert({one.from, one.to});
-  for (const auto& [id, point] : block.control)
-    if (seen[id] < 2 && !on_ground.contains(id)) imported.findings.push_back(hardly_seen(id, point, seen[id]));
-}
-
 namespace {
 
 // A shape that any points of that number lie on says nothing.

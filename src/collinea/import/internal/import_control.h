@@ -15,9 +15,6 @@ namespace collinea {
 /// converted.
 Result<> add_control(Imported& imported, const ControlFile& control, const LocalFrame* frame);
 
-/// Points that are seen in fewer than two images and not measured on the ground either become findings.
-void name_unseen_control(Imported& imported);
-
 /// Brings what was measured between control points into the block. Errors: no file, bad lines, points that are not
 /// there.
 Result<> add_geodetic(Imported& imported, const std::filesystem::path& file);

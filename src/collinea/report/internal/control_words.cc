@@ -99,6 +99,9 @@ std::string words_of_measured_control(const FindingWords& w) {
     case C::kControlImageMissing:
       return fmt::format("Control file: no image is called {} ({} left out).", w.subject(0),
                          w.counted(F::kCount, "measurement"));
+    case C::kEditUnfit:
+      return fmt::format("Edit {} does not fit what was imported and is left out: {}.", w.whole(F::kLine),
+                         w.finding.detail);
     case C::kControlNotGiven:
       return "A file of control lies beside the images and is not used: " + w.subject(0) + ".";
     case C::kControlUnseen:

@@ -30,25 +30,51 @@ inline void get(Unpacker& unpacker, Eigen::Vector3d& v) {
   for (int i = 0; i < 3; ++i) unpacker.get(v[i]);
 }
 
-/// Many records a row: far fewer and smaller rows than one each, and no blob grows with the block.
-template <class Record, class Values>
-Result<> write_chunks(sqlite::Database& db, const std::string& table, const Values& values) {
+/// Many records a row: far fewer and smaller rows than one each, and no blob grows with the block. put(chunk, bytes).
+template <class Record, class Values, class Put>
+Result<std::int64_t> for_each_chunk(const Values& values, Put&& put) {
   constexpr std::size_t kPerChunk = 16384;
-  COLLINEA_TRY(db.execute("DELETE FROM " + table));
-  COLLINEA_TRY(auto insert, db.prepare("INSERT INTO " + table + " VALUES (?, ?)"));
   Packer packer;
   packer.reserve(std::min(kPerChunk, values.size()) * Record::kBytes);
   std::int64_t chunk = 0;
-  const auto flush = [&] {
-    auto written = insert.bind(chunk++).bind_blob(packer.bytes()).run();
+  const auto flush = [&]() -> Result<> {
+    COLLINEA_TRY(put(chunk++, packer.bytes()));
     packer.clear();
-    return written;
+    return {};
   };
   for (const auto& value : values) {
     Record::put_one(packer, value);
     if (packer.size() == kPerChunk * Record::kBytes) COLLINEA_TRY(flush());
   }
-  return packer.size() > 0 ? flush() : Result<>{};
+  if (packer.size() > 0) COLLINEA_TRY(flush());
+  return chunk;
+}
+
+/// Replaces the records of a table.
+template <class Record, class Values>
+Result<> write_chunks(sqlite::Database& db, const std::string& table, const Values& values) {
+  COLLINEA_TRY(db.execute("DELETE FROM " + table));
+  COLLINEA_TRY(auto insert, db.prepare("INSERT INTO " + table + " VALUES (?, ?)"));
+  const auto put = [&](std::int64_t chunk, const std::string& bytes) {
+    return insert.bind(chunk).bind_blob(bytes).run();
+  };
+  COLLINEA_TRY([[maybe_unused]] const auto chunks, for_each_chunk<Record>(values, put));
+  return {};
+}
+
+/// The same; rows alone that differ are written.
+template <class Record, class Values>
+Result<> update_chunks(sqlite::Database& db, const std::string& table, const Values& values) {
+  COLLINEA_TRY(auto replace, db.prepare("INSERT OR REPLACE INTO " + table + " VALUES (?, ?)"));
+  const auto put = [&](std::int64_t chunk, const std::string& bytes) -> Result<> {
+    COLLINEA_TRY(auto select, db.prepare("SELECT data FROM " + table + " WHERE chunk = ?"));
+    COLLINEA_TRY(const bool there, select.bind(chunk).next());
+    if (there && select.blob(0) == bytes) return {};
+    return replace.bind(chunk).bind_blob(bytes).run();
+  };
+  COLLINEA_TRY(const auto chunks, for_each_chunk<Record>(values, put));
+  COLLINEA_TRY(auto erase, db.prepare("DELETE FROM " + table + " WHERE chunk >= ?"));
+  return erase.bind(chunks).run();
 }
 
 /// The records of a table, one after the other.

@@ -42,6 +42,17 @@ struct ControlObservationRecord {
   }
 };
 
+std::vector<ControlObservation> with_shapes(const std::vector<ControlObservation>& observations) {
+  std::vector<ControlObservation> records;
+  records.reserve(observations.size());
+  for (const ControlObservation& one : observations) {
+    records.push_back(one);
+    if (!one.shape.is_round())
+      records.push_back({ControlId{}, one.image, {one.shape.row_over_column, one.shape.correlation}});
+  }
+  return records;
+}
+
 // The deformation of film behind the sigma of a camera: those of other cameras end there.
 void put_film(Packer& packer, const FilmPrior& film) {
   for (const double value : {film.sigma_px, film.correlation_px, film.mark_sigma_px}) packer.put(value);
@@ -192,35 +203,19 @@ Result<> read_images(Database& db, Block& block) {
   }
 }
 
-Result<> write_control(Database& db, const std::map<ControlId, ControlPoint>& control) {
-  COLLINEA_TRY(db.execute("DELETE FROM control"));
-  COLLINEA_TRY(auto insert, db.prepare("INSERT INTO control VALUES (?, ?, ?, ?)"));
-  for (const auto& [id, point] : control) {
-    Packer numbers;
-    for (const auto& v : {point.position_in_map, point.position_in_world, point.sigma_m}) put(numbers, v);
-    if (!point.correlation.isZero(0)) put(numbers, point.correlation);
-    insert.bind(id.value).bind_text(point.name).bind_text(point.role == ControlRole::kControl ? "control" : "check");
-    COLLINEA_TRY(insert.bind_blob(numbers.bytes()).run());
-  }
-  return {};
+// Position in the map and in the world and its standard deviations; correlations where there are some.
+std::string control_numbers(const ControlPoint& point) {
+  Packer numbers;
+  for (const auto& v : {point.position_in_map, point.position_in_world, point.sigma_m}) put(numbers, v);
+  if (!point.correlation.isZero(0)) put(numbers, point.correlation);
+  return numbers.bytes();
 }
 
-Result<> read_control(Database& db, std::map<ControlId, ControlPoint>& control) {
-  COLLINEA_TRY(auto select, db.prepare("SELECT * FROM control ORDER BY id"));
-  while (true) {
-    COLLINEA_TRY(const bool row, select.next());
-    if (!row) return {};
-    ControlPoint point;
-    point.name = select.text(1);
-    const std::string role = select.text(2);
-    if (role != "control" && role != "check") return damaged("role of control point " + point.name);
-    point.role = role == "control" ? ControlRole::kControl : ControlRole::kCheck;
-    Unpacker numbers(select.blob(3));
-    for (auto* v : {&point.position_in_map, &point.position_in_world, &point.sigma_m}) get(numbers, *v);
-    if (!numbers.done()) get(numbers, point.correlation);
-    if (!numbers.done()) return damaged("control point " + point.name);
-    control[{std::uint32_t(select.integer(0))}] = std::move(point);
-  }
+std::string_view role_word(ControlRole role) { return role == ControlRole::kControl ? "control" : "check"; }
+
+Result<> write_control(Database& db, const std::map<ControlId, ControlPoint>& control) {
+  COLLINEA_TRY(db.execute("DELETE FROM control"));
+  return update_control(db, "control", control);
 }
 
 Result<> write_geodetic(Database& db, const std::vector<GeodeticObservation>& geodetic) {
@@ -320,6 +315,43 @@ Result<> read_cameras(Database& db, const std::string& table, std::map<CameraId,
   }
 }
 
+Result<> read_control(Database& db, const std::string& table, std::map<ControlId, ControlPoint>& control) {
+  COLLINEA_TRY(auto select, db.prepare("SELECT * FROM " + table + " ORDER BY id"));
+  while (true) {
+    COLLINEA_TRY(const bool row, select.next());
+    if (!row) return {};
+    ControlPoint point;
+    point.name = select.text(1);
+    const std::string role = select.text(2);
+    if (role != "control" && role != "check") return damaged("role of control point " + point.name);
+    point.role = role == "control" ? ControlRole::kControl : ControlRole::kCheck;
+    Unpacker numbers(select.blob(3));
+    for (auto* v : {&point.position_in_map, &point.position_in_world, &point.sigma_m}) get(numbers, *v);
+    if (!numbers.done()) get(numbers, point.correlation);
+    if (!numbers.done()) return damaged("control point " + point.name);
+    control[{std::uint32_t(select.integer(0))}] = std::move(point);
+  }
+}
+
+Result<> update_control(Database& db, const std::string& table, const std::map<ControlId, ControlPoint>& control) {
+  std::map<ControlId, ControlPoint> before;
+  COLLINEA_TRY(read_control(db, table, before));
+  COLLINEA_TRY(auto erase, db.prepare("DELETE FROM " + table + " WHERE id = ?"));
+  for (const auto& [id, point] : before)
+    if (!control.contains(id)) COLLINEA_TRY(erase.bind(id.value).run());
+  COLLINEA_TRY(auto insert, db.prepare("INSERT OR REPLACE INTO " + table + " VALUES (?, ?, ?, ?)"));
+  for (const auto& [id, point] : control) {
+    const std::string numbers = control_numbers(point);
+    const auto old = before.find(id);
+    if (old != before.end() && old->second.name == point.name && old->second.role == point.role &&
+        control_numbers(old->second) == numbers)
+      continue;
+    insert.bind(id.value).bind_text(point.name).bind_text(role_word(point.role)).bind_blob(numbers);
+    COLLINEA_TRY(insert.run());
+  }
+  return {};
+}
+
 Result<bool> has_geodetic(Database& db) {
   return db.integer("SELECT count(*) FROM sqlite_master WHERE name = 'ground'").map([](auto count) {
     return count > 0;
@@ -328,14 +360,12 @@ Result<bool> has_geodetic(Database& db) {
 
 Result<> write_control_observations(Database& db, const std::string& table,
                                     const std::vector<ControlObservation>& observations) {
-  std::vector<ControlObservation> records;
-  records.reserve(observations.size());
-  for (const ControlObservation& one : observations) {
-    records.push_back(one);
-    if (!one.shape.is_round())
-      records.push_back({ControlId{}, one.image, {one.shape.row_over_column, one.shape.correlation}});
-  }
-  return write_chunks<ControlObservationRecord>(db, table, records);
+  return write_chunks<ControlObservationRecord>(db, table, with_shapes(observations));
+}
+
+Result<> update_control_observations(Database& db, const std::string& table,
+                                     const std::vector<ControlObservation>& observations) {
+  return update_chunks<ControlObservationRecord>(db, table, with_shapes(observations));
 }
 
 Result<> read_control_observations(Database& db, const std::string& table, Block& block) {
@@ -364,7 +394,7 @@ Result<> read_setup_tables(Database& db, Block& block) {
   COLLINEA_TRY(read_georeference(db, block.georeference));
   COLLINEA_TRY(read_cameras(db, "cameras", block.cameras));
   COLLINEA_TRY(read_images(db, block));
-  COLLINEA_TRY(read_control(db, block.control));
+  COLLINEA_TRY(read_control(db, "control", block.control));
   return read_geodetic(db, block.geodetic);
 }
 

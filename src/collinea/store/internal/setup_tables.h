@@ -24,6 +24,16 @@ Result<> write_control_observations(sqlite::Database& db, const std::string& tab
 /// Appends them to those of the block.
 Result<> read_control_observations(sqlite::Database& db, const std::string& table, Block& block);
 
+/// The same as a replacement; rows alone that differ are written.
+Result<> update_control_observations(sqlite::Database& db, const std::string& table,
+                                     const std::vector<ControlObservation>& observations);
+
+/// Adds the control points of a table.
+Result<> read_control(sqlite::Database& db, const std::string& table, std::map<ControlId, ControlPoint>& control);
+/// Replaces them; rows alone that differ are written.
+Result<> update_control(sqlite::Database& db, const std::string& table,
+                        const std::map<ControlId, ControlPoint>& control);
+
 /// Georeference, cameras, images, control, its observations and what was measured on the ground.
 Result<> write_setup_tables(sqlite::Database& db, const Block& block);
 /// The same without control observations: an orientation has its own.

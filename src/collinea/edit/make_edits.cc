@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/edit/make_edits.h"
+
+#include <chrono>
+#include <map>
+
+#include "collinea/base/file.h"
+#include "collinea/project/settings.h"
+
+namespace collinea {
+namespace {
+
+Result<EditDefaults> defaults_of(const std::filesystem::path& project) {
+  return read_settings(project).map([](const Settings& settings) {
+    return EditDefaults{settings.import.control_sigma_m, settings.import.control_sigma_px};
+  });
+}
+
+/// Edits that come one after the other, each on what those before it made.
+class Maker {
+ public:
+  Maker(const EditableSetup& setup, const EditHistory& history, const EditDefaults& defaults)
+      : points_(setup, history), defaults_(defaults) {}
+
+  Result<NewEdit> make(const Edit& edit) {
+    return std::visit(
+        [&](const auto& kind) -> Result<NewEdit> {
+          if constexpr (EditsPoint<std::decay_t<decltype(kind)>>) {
+            COLLINEA_TRY(auto completed, kind.completed(points_.context(), defaults_));
+            EditedPoint& point = point_named(kind.point);
+            const EditedPoint before = point;
+            COLLINEA_TRY(completed.apply(points_.context(), point));
+            return NewEdit{completed, restoring(kind.point, before, point, points_.context().block())};
+          } else {
+            return NewEdit{kind};
+          }
+        },
+        edit);
+  }
+
+ private:
+  EditedPoint& point_named(const std::string& name) {
+    const auto known = edited_.find(name);
+    return known != edited_.end() ? known->second : edited_.emplace(name, points_.point(name)).first->second;
+  }
+
+  PointsInForce points_;
+  EditDefaults defaults_;
+  std::map<std::string, EditedPoint> edited_;
+};
+
+Result<std::vector<NewEdit>> made(std::span<const Edit> edits, Maker maker) {
+  std::vector<NewEdit> all;
+  for (const Edit& edit : edits) {
+    COLLINEA_TRY(NewEdit one, maker.make(edit).map_error([&](Error error) {
+      return edits.size() == 1 ? error : std::move(error).within(line_of(words_of(edit)));
+    }));
+    all.push_back(std::move(one));
+  }
+  return all;
+}
+
+constexpr std::chrono::milliseconds kPatience(300);  // of who waits at a screen
+
+}  // namespace
+
+Result<EditsMade> make_edits(const std::filesystem::path& project, Journal& journal, std::span<const Edit> edits) {
+  if (!is_there(project / "block.db"))
+    return fail(Errc::kNotFound, project.string() + " is not a project with photographs: import some first");
+  COLLINEA_TRY(const EditDefaults defaults, defaults_of(project));
+  COLLINEA_TRY(ProjectStore store, ProjectStore::open(project, kPatience));
+  COLLINEA_TRY(const EditableSetup setup, store.read_editable_setup());  // waits for no writer
+  EditsMade done;
+  const auto make = [&](const EditHistory& history) { return made(edits, Maker(setup, history, defaults)); };
+  COLLINEA_TRY(done.number, journal.append(make));
+  if (const auto applied = apply_edits(store, journal); !applied) done.waiting = applied.error();
+  return done;
+}
+
+Result<std::vector<UnfitEdit>> apply_edits(ProjectStore& store, Journal& journal) {
+  COLLINEA_TRY(const std::uint64_t last, store.last_edit());
+  COLLINEA_TRY(journal.refresh());  // behind what the store holds, which is appended before
+  EditsInForce all;
+  if (last == journal.number()) return all.unfit;
+  COLLINEA_TRY(store.edit_setup([&](const EditableSetup& setup) -> Result<EditedControl> {
+    COLLINEA_TRY(journal.refresh());
+    all = edits_in_force(setup, journal.history());
+    return all.edited;
+  }));
+  return all.unfit;
+}
+
+Result<std::vector<UnfitEdit>> write_setup_with_edits(ProjectStore& store, const Block& setup, Journal& journal) {
+  COLLINEA_TRY(journal.refresh());
+  EditsInForce all;
+  const auto edit = [&](const EditableSetup& imported) -> Result<EditedControl> {
+    COLLINEA_TRY(journal.refresh());
+    all = edits_in_force(imported, journal.history());
+    return all.edited;
+  };
+  COLLINEA_TRY(store.write_setup(setup, journal.number() > 0 ? EditControl(edit) : EditControl()));
+  return all.unfit;
+}
+
+}  // namespace collinea

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "collinea/base/test_folder.h"
+#include "collinea/edit/make_edits.h"
+#include "collinea/math/random.h"
+#include "collinea/project/settings.h"
+
+namespace collinea {
+
+/// A block as import leaves it: images of 4000 x 3000 pixels, points A to D in UTM 33 (D is measured on the ground to
+/// A, C has correlated coordinates), marks, of which two are of A in one image.
+inline Block setup_to_edit(std::uint32_t images = 4) {
+  Block block;
+  block.georeference = Georeference{"EPSG:32633", 48.2, 15.63, 300};
+  block.cameras[{0}] = ideal_camera(3000, 4000, 3000);
+  for (std::uint32_t i = 0; i < images; ++i) {
+    block.images[{i}].file = "sub/photo " + std::to_string(i) + ".jpg";
+    block.images[{i}].camera = {0};
+  }
+  std::uint32_t id = 0;
+  for (const char* name : {"A", "B", "C", "D"}) {
+    ControlPoint point{.name = name, .position_in_world = Eigen::Vector3d(10.0 * id, 5, 1)};
+    point.position_in_map = Eigen::Vector3d(546800 + 10.0 * id, 5338600, 301);
+    point.sigma_m = {0.01, 0.02, 0.03};
+    if (id == 2) point.correlation = {0.5, 0, 0.25};
+    block.control[{id++}] = point;
+  }
+  block.control_observations = {{{1}, {2}, {10.5, 20.25}, 0.5},
+                                {{0}, {0}, {100, 200}, 0.5, {1.5F, 0.25F}},
+                                {{0}, {1}, {1.0 / 3, 200}, 0.25},
+                                {{0}, {0}, {101, 201}, 0.5},
+                                {{2}, {3}, {4000, 3000}, 0.5}};
+  block.geodetic.push_back({.kind = GeodeticKind::kDistance, .from = {0}, .to = {3}, .value = 30, .sigma = 0.01});
+  return block;
+}
+
+/// A project with that setup.
+class EditsTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(write_settings(project(), {}));
+    ASSERT_TRUE(store().write_setup(setup_to_edit()));
+  }
+  [[nodiscard]] std::filesystem::path project() const { return folder_ / ""; }
+  [[nodiscard]] std::filesystem::path file() const { return folder_ / "journal.jsonl"; }
+  [[nodiscard]] ProjectStore store() const { return ProjectStore::open(project()).value(); }
+  [[nodiscard]] std::uint64_t hash() const { return store().setup_hash().value(); }
+
+  static Edit edit(const std::vector<std::string>& words) {
+    auto parsed = parse_edit(words);
+    EXPECT_TRUE(parsed) << words[0] << ": " << (parsed ? "" : parsed.error().message);
+    return parsed.value_or(Undo{});
+  }
+  /// The message of what goes wrong; empty: it was made, and the database holds it.
+  std::string make(const std::vector<std::string>& words) {
+    const std::vector<Edit> edits = {edit(words)};
+    const auto made = make_edits(project(), journal_, edits);
+    if (!made) return made.error().message;
+    EXPECT_FALSE(made->waiting) << made->waiting->message;
+    EXPECT_EQ(store().last_edit(), made->number);
+    return "";
+  }
+  /// Marks of a point: "image x y sigma" each.
+  [[nodiscard]] std::vector<std::string> marks_of(const std::string& point) const {
+    const Block block = store().read_setup().value();
+    std::vector<std::string> marks;
+    for (const ControlObservation& one : block.control_observations)
+      if (block.control.at(one.point).name == point)
+        marks.push_back(line_of(words_of(MarkPoint{point, std::to_string(one.image.value), one.pixel, one.sigma_px})));
+    return marks;
+  }
+  [[nodiscard]] std::optional<ControlPoint> point(const std::string& name) const {
+    const Block block = store().read_setup().value();
+    for (const auto& [id, point] : block.control)
+      if (point.name == name) return point;
+    return std::nullopt;
+  }
+
+  TestFolder folder_;
+  Journal journal_{folder_ / ""};
+};
+
+/// A command of any kind, of which most fit; points X0 to X3 come and go.
+inline std::vector<std::string> any_command(Random& random) {
+  const auto one_of = [&](const std::vector<std::string>& all) {
+    return all[random.below(static_cast<std::uint32_t>(all.size()))];
+  };
+  const auto number = [&](double low, double high) { return std::to_string(low + (high - low) * random.uniform()); };
+  const std::string name = one_of({"A", "B", "C", "D", "X0", "X1", "X2", "X3"});
+  const std::string image = one_of({"photo 0.jpg", "photo 1.jpg", "sub/photo 2.jpg", "PHOTO 3.JPG"});
+  switch (random.below(6)) {
+    case 0:
+    case 1:
+      return {"mark", name, image, number(0, 4000), number(0, 3000), number(0.1, 2)};
+    case 2:
+      return {"unmark", name, image};
+    case 3:
+      return {"role", name, one_of({"control", "check"})};
+    case 4:
+      return {"point", name, "check", number(546000, 547000), one_of({"-", number(5338000, 5339000)}), number(0, 500)};
+    default:
+      return {"remove", name};
+  }
+}
+
+}  // namespace collinea

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/serve/edits_json.h"
+
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <vector>
+
+namespace collinea {
+namespace {
+
+using json = nlohmann::ordered_json;
+
+json line_or_null(const EditEntry* entry) { return entry ? json(line_of(words_of(entry->edit))) : json(nullptr); }
+
+bool bounded_depth(int depth, json::parse_event_t, json&) {
+  constexpr int kDeepest = 3;
+  if (depth > kDeepest) throw std::invalid_argument("it is nested too deep");
+  return true;
+}
+
+}  // namespace
+
+std::string edits_json(const EditHistory& history, std::uint64_t since, std::size_t most) {
+  std::vector<const EditEntry*> chosen;
+  for (const EditEntry& entry : history.entries())
+    if (entry.changed > since) chosen.push_back(&entry);
+  const std::size_t left_out = chosen.size() > most ? chosen.size() - most : 0;
+  json all = {{"number", history.number()},
+              {"undo", line_or_null(history.next_undo())},
+              {"redo", line_or_null(history.next_redo())},
+              {"entries", json::array()},
+              {"left_out", left_out}};
+  for (std::size_t i = left_out; i < chosen.size(); ++i)
+    all["entries"].push_back({{"number", chosen[i]->number},
+                              {"time", chosen[i]->time},
+                              {"command", words_of(chosen[i]->edit)},
+                              {"undone", chosen[i]->undone}});
+  return all.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+Result<Edit> edit_in(std::string_view body) {
+  try {
+    const json asked = json::parse(body, bounded_depth);
+    return parse_edit(asked.at("command").get<std::vector<std::string>>());
+  } catch (const std::exception& error) {
+    return fail(Errc::kBadInput, error.what());
+  }
+}
+
+}  // namespace collinea

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "collinea/base/result.h"
+#include "collinea/edit/edit_history.h"
+
+namespace collinea {
+
+/// {"number", "undo", "redo", "entries": [{"number", "time", "command", "undone"}], "left_out"}: entries that were
+/// made, undone or redone behind the entry `since`, the last `most` of them; "undo" and "redo" are the commands that
+/// these would be about as one line, or null.
+[[nodiscard]] std::string edits_json(const EditHistory& history, std::uint64_t since, std::size_t most);
+
+/// The command in {"command": [...]}. Errors: no such object, no such command.
+[[nodiscard]] Result<Edit> edit_in(std::string_view body);
+
+}  // namespace collinea
