@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/serve/routes.h"
 
-#include <charconv>
-
 #include "collinea/project/settings_change.h"
-#include "collinea/report/error_text.h"
+#include "collinea/serve/control_routes.h"
+#include "collinea/serve/image_routes.h"
 #include "collinea/serve/internal/byte_range.h"
 #include "collinea/serve/internal/json_answer.h"
 #include "collinea/serve/internal/page.h"
@@ -15,38 +14,6 @@
 
 namespace collinea {
 namespace {
-
-// The HTTP status of each kind of failure.
-constexpr int http_status(Errc code) {
-  switch (code) {
-    case Errc::kBadInput:
-      return 400;
-    case Errc::kNotFound:
-      return 404;
-    case Errc::kBadFormat:
-    case Errc::kIllPosed:
-    case Errc::kNotConverged:
-      return 422;
-    case Errc::kUnsupported:
-      return 501;
-    case Errc::kCancelled:
-      return 409;
-  }
-  return 500;
-}
-
-// Options have their names, as in what is asked.
-HttpResponse failure(const Error& error) { return error_answer(http_status(error.code), text_of(error, {})); }
-
-HttpResponse outcome(const Result<std::string>& text) { return text ? json_answer(*text) : failure(text.error()); }
-
-HttpResponse not_found() { return error_answer(404, "there is nothing of this name"); }
-
-HttpResponse only(const std::string& methods) {
-  HttpResponse response = error_answer(405, "this is asked in another way: " + methods);
-  response.headers.emplace_back("Allow", methods);
-  return response;
-}
 
 // The cookie is not sent along when another site or a file led here, only when a page of this server goes on.
 HttpResponse entered(std::string cookie) {
@@ -84,13 +51,6 @@ HttpResponse file_response(const HttpRequest& request, const ServedProject& proj
   return response;
 }
 
-std::optional<std::uint64_t> number_of(std::string_view text) {
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 HttpResponse new_job(const HttpRequest& request, const ServedProject& project, Site& site) {
   if (!request.header("content-type").starts_with("application/json"))
     return error_answer(415, "a job is described as application/json");
@@ -101,7 +61,7 @@ HttpResponse new_job(const HttpRequest& request, const ServedProject& project, S
     job.project = project;
     return job;
   }();
-  if (!asked) return failure(asked.error());
+  if (!asked) return error_answer(asked.error());
   const auto id = site.board.add(*std::move(asked));
   if (!id)
     return error_answer(503, std::to_string(JobBoard::kMostWaiting) + " jobs are waiting: stop some, or ask later");
@@ -109,7 +69,8 @@ HttpResponse new_job(const HttpRequest& request, const ServedProject& project, S
 }
 
 HttpResponse settings_of(const ServedProject& project) {
-  return outcome(read_settings(project.folder).map([](const Settings& settings) { return settings_text(settings); }));
+  return answer_or_error(
+      read_settings(project.folder).map([](const Settings& settings) { return settings_text(settings); }));
 }
 
 // Below /api/projects/ID.
@@ -118,14 +79,18 @@ HttpResponse project_response(const HttpRequest& request, const Target& target, 
   if (!project) return not_found();
   const std::string what = target.path.size() > 3 ? target.path[3] : "";
   const bool reads = request.method != "POST";
-  if (target.path.size() == 3) return reads ? outcome(project_json(*project)) : only("GET");
+  if (target.path.size() == 3) return reads ? answer_or_error(project_json(*project)) : method_not_allowed("GET");
   if (what == "files") {
-    if (!reads) return only("GET");
+    if (!reads) return method_not_allowed("GET");
     return file_response(request, *project, std::span(target.path).subspan(4));
   }
+  if (auto response = control_response(request, target, *project, *site.views)) return *std::move(response);
+  if (what == "images")
+    return reads ? image_response(request, *project, std::span(target.path).subspan(4), *site.views)
+                 : method_not_allowed("GET");
   if (target.path.size() > 4) return not_found();
-  if (what == "jobs") return reads ? only("POST") : new_job(request, *project, site);
-  if (what == "settings") return reads ? settings_of(*project) : only("GET");
+  if (what == "jobs") return reads ? method_not_allowed("POST") : new_job(request, *project, site);
+  if (what == "settings") return reads ? settings_of(*project) : method_not_allowed("GET");
   return not_found();
 }
 
@@ -139,11 +104,12 @@ HttpResponse api_response(const HttpRequest& request, const Target& target, Site
   const bool reads = request.method != "POST";
   if (what == "projects" && target.path.size() > 2) return project_response(request, target, site);
   if (what == "jobs" && target.path.size() == 4 && target.path[3] == "stop")
-    return reads ? only("POST") : stop_job(target.path[2], site.board);
+    return reads ? method_not_allowed("POST") : stop_job(target.path[2], site.board);
   if (target.path.size() != 2) return not_found();
-  if (what == "projects") return reads ? json_answer(projects_json(find_projects(site.roots))) : only("GET");
-  if (what == "options") return reads ? json_answer(options_json()) : only("GET");
-  if (what == "jobs") return reads ? json_answer(changes_json(site.board.since(0))) : only("GET");
+  if (what == "projects")
+    return reads ? json_answer(projects_json(find_projects(site.roots))) : method_not_allowed("GET");
+  if (what == "options") return reads ? json_answer(options_json()) : method_not_allowed("GET");
+  if (what == "jobs") return reads ? json_answer(changes_json(site.board.since(0))) : method_not_allowed("GET");
   return not_found();
 }
 
@@ -151,7 +117,7 @@ HttpResponse page_response(const HttpRequest& request, const Target& target) {
   const std::string name = target.path.empty() ? "" : target.path[0];
   const std::optional<PageFile> file = target.path.size() > 1 ? std::nullopt : page_file(name);
   if (!file) return not_found();
-  if (request.method == "POST") return only("GET");
+  if (request.method == "POST") return method_not_allowed("GET");
   return {.type = std::string(file->type), .body = std::string(file->text)};
 }
 
@@ -170,7 +136,8 @@ HttpResponse answer(const HttpRequest& request, Site& site) {
   }
   if (auto refused = site.access.refusal(request)) return *refused;
   if (!target) return error_answer(400, "the address cannot be read");
-  if (request.method != "GET" && request.method != "HEAD" && request.method != "POST") return only("GET, HEAD, POST");
+  if (request.method != "GET" && request.method != "HEAD" && request.method != "POST")
+    return method_not_allowed("GET, HEAD, POST");
   if (!target->path.empty() && target->path[0] == "api") return api_response(request, *target, site);
   return page_response(request, *target);
 }

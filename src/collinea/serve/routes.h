@@ -3,12 +3,14 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "collinea/serve/access.h"
 #include "collinea/serve/job_board.h"
 #include "collinea/serve/message.h"
+#include "collinea/serve/project_views.h"
 
 namespace collinea {
 
@@ -18,6 +20,7 @@ struct Site {
   Access& access;
   JobBoard& board;
   std::function<void()> link_used = {};  ///< called when a link was exchanged: there is a new one
+  std::shared_ptr<ProjectViews> views = std::make_shared<ProjectViews>();  ///< what is remembered of projects
 };
 
 /// The answer to any request but that for a WebSocket:
@@ -27,6 +30,8 @@ struct Site {
 ///     GET  /api/projects/ID                           POST /api/jobs/N/stop
 ///     GET  /api/projects/ID/settings                  GET  /api/jobs
 ///     GET  /api/projects/ID/files/products/dsm.tif    GET  /api/options
+///     GET  /api/projects/ID/images, images/3/tiles/0/0/0.jpg, images/3/residuals
+///     GET  /api/projects/ID/map, ties, control
 ///
 /// HEAD is answered as GET; the server leaves the body out.
 [[nodiscard]] HttpResponse answer(const HttpRequest& request, Site& site);
