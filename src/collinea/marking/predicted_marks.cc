@@ -75,6 +75,10 @@ double usual_sigma_px(const std::vector<ControlObservation>& marks) {
   return sigmas.empty() ? kUsualSigma_px : median(sigmas);
 }
 
+bool is_marked(const std::vector<ControlObservation>& marks, ImageId image) {
+  return std::any_of(marks.begin(), marks.end(), [&](const auto& mark) { return mark.image == image; });
+}
+
 double largest_sigma(const Matrix3d& covariance) {
   return std::sqrt(std::max(0.0, Eigen::SelfAdjointEigenSolver<Matrix3d>(covariance).eigenvalues()[2]));
 }
@@ -129,8 +133,7 @@ std::vector<Candidate> candidates_of(const MarkingBlock& in, const LocalPoses& l
     const auto linear = linear_pixel(camera, local.cam_from_world[i], state.position_in_world);
     if (!linear) continue;
     Candidate one{.mark = {.image = local.images[i]}};
-    one.mark.marked = std::any_of(marks.begin(), marks.end(),
-                                  [&](const ControlObservation& made) { return made.image == one.mark.image; });
+    one.mark.marked = is_marked(marks, one.mark.image);
     MatrixXd rows = MatrixXd::Zero(2, state.covariance.cols());
     rows.leftCols<3>() = linear->by_point;
     rows.middleCols<6>(3 + 6 * Eigen::Index(i)) = linear->by_pose;
@@ -157,9 +160,9 @@ std::vector<Candidate> candidates_of(const MarkingBlock& in, const LocalPoses& l
 PredictedMarks predicted_marks(const MarkingBlock& in, const ControlPoint& given,
                                const std::vector<ControlObservation>& all_marks) {
   PredictedMarks out;
-  std::vector<ControlObservation> marks;
+  const std::vector<ControlObservation> marks = agreeing_marks(in.block, all_marks);
   for (const ControlObservation& mark : all_marks)
-    if (is_oriented(in.block, mark.image) && mark.sigma_px > 0 && mark.pixel.allFinite()) marks.push_back(mark);
+    if (is_oriented(in.block, mark.image) && !is_marked(marks, mark.image)) out.contradicting.push_back(mark.image);
   auto position = start_position(in, given, marks);
   // The images that see the point follow from where it lies, and that from their poses.
   std::optional<LocalPoses> local;
@@ -176,6 +179,8 @@ PredictedMarks predicted_marks(const MarkingBlock& in, const ControlPoint& given
   if (!state) return out;
   out.given_disagrees = state->given_disagrees;
   out.predicted = in_order(candidates_of(in, *local, *state, marks));
+  for (PredictedMark& one : out.predicted)
+    one.marked |= std::find(out.contradicting.begin(), out.contradicting.end(), one.image) != out.contradicting.end();
   out.marked = marked_point(in.block, *local, point_marks(*local, marks));
   for (const ControlObservation& mark : marks) out.marked_images.push_back(mark.image);
   return out;

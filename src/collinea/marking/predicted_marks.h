@@ -25,12 +25,15 @@ struct PredictedMarks {
   bool given_disagrees = false;        ///< the given coordinates contradict the marks, and were not used
   std::optional<MarkedPoint> marked;   ///< from the marks in oriented images alone, where there are two
   std::vector<ImageId> marked_images;  ///< parallel to MarkedPoint::tests
+  std::vector<ImageId> contradicting;  ///< marks that most others of the point contradict, and that were not used
 };
 
 /// Where oriented images show a control point: by least squares from its given coordinates, its marks so far and the
 /// poses with their joint covariance (local_poses()). The given coordinates are used as long as they agree with the
 /// marks (at a level of 0.1 %): a block without a datum, or with a wrong one, is predicted from the second mark on;
 /// from the first alone by the depth of the tie points around it.
+///
+/// Of three marks and more those that the most others contradict by 10 px and six sigmas are not used.
 ///
 /// Predicted: inside the image, in front of the camera, not behind the surface; at most kMostPredicted. Order: the mark
 /// that makes the point best comes first, then the one that does so beside it, and so on, of marks equal within 2 % the

@@ -101,6 +101,30 @@ TEST(PredictedMarks, AWrongDatumIsNoticed) {
   EXPECT_LT(within[0], count / 2);  // 70 m are far more than 10 px: the test can fail
 }
 
+// The wrong one of three marks takes no part, and is named.
+TEST(PredictedMarks, AMarkOfAnotherPointIsNamed) {
+  int named = 0, within = 0, count = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    const MarkingScene scene = marking_scene(seed);
+    Random random(seed, 13);
+    const ControlId id{random.below(4)};
+    const std::vector<ImageId> images = images_of(scene, id, random);
+    if (images.size() < 5) continue;
+    std::vector<ControlObservation> marks;
+    for (std::size_t i = 0; i < 3; ++i) marks.push_back(scene.mark(images[i], id, 0.5, random));
+    marks[1].pixel += 200 * Vector2d(random.normal(), random.normal()).normalized();
+    const auto found = predicted_marks(scene.marking(), scene.block.control.at(id), marks);
+    const PredictedMark* mark = mark_in(found, images[4]);
+    ++count;
+    named += found.contradicting == std::vector{images[1]};
+    within += mark && (*scene.seen(images[4], id) - mark->pixel).norm() < 10;
+  }
+  ASSERT_GT(count, 40);
+  // An error along the rays' common plane hides in the depth of the others.
+  EXPECT_GE(named, 0.8 * count);
+  EXPECT_GE(within, 0.9 * count);
+}
+
 TEST(PredictedMarks, PointsWithoutCoordinatesFollowFromMarks) {
   MarkingScene scene = marking_scene(3);
   Random random(3);

@@ -114,7 +114,8 @@ Result<std::string> predicted_marks_json(const ProjectView& view, const std::str
   const double sigma0 = view.adjustment && view.adjustment->sigma0 > 1e-9 ? view.adjustment->sigma0 : 1;
   const PredictedMarks found =
       predicted_marks({ties->block, ties->observations, ties->covariances.poses, sigma0}, given, marks);
-  json list = json::array();
+  json list = json::array(), contradicting = json::array();
+  for (const ImageId image : found.contradicting) contradicting.push_back(image.value);
   for (const PredictedMark& one : found.predicted)
     list.push_back({{"image", one.image.value},
                     {"file", view.block.images.at(one.image).file},
@@ -122,8 +123,10 @@ Result<std::string> predicted_marks_json(const ProjectView& view, const std::str
                     {"ellipse", ellipse_json(one.covariance)},
                     {"marked", one.marked},
                     {"sigma_after_m", one.sigma_after_m ? number(*one.sigma_after_m) : json(nullptr)}});
-  return text_of(
-      {{"places", list}, {"given_disagrees", found.given_disagrees}, {"marked", marked_json(view, found, given)}});
+  return text_of({{"places", list},
+                  {"given_disagrees", found.given_disagrees},
+                  {"contradicting", contradicting},
+                  {"marked", marked_json(view, found, given)}});
 }
 
 Result<std::string> refined_json(const ProjectView& view, std::string_view body) {

@@ -8,6 +8,7 @@
 
 #include "collinea/block/survey_covariance.h"
 #include "collinea/epipolar/intersect.h"
+#include "collinea/epipolar/intersect_rays.h"
 #include "collinea/math/median.h"
 
 namespace collinea {
@@ -167,6 +168,30 @@ std::vector<PointMark> point_marks(const LocalPoses& local, const std::vector<Co
   return all;
 }
 
+std::vector<ControlObservation> agreeing_marks(const Block& block, const std::vector<ControlObservation>& marks) {
+  std::vector<ControlObservation> oriented;
+  for (const ControlObservation& mark : marks)
+    if (is_oriented(block, mark.image) && mark.sigma_px > 0 && mark.pixel.allFinite()) oriented.push_back(mark);
+  if (oriented.size() < 3) return oriented;
+  std::vector<Rigid3> poses;
+  std::vector<Vector2d> normalized_xy;
+  std::vector<double> focal_px;
+  double limit_px = kAgree_px;
+  for (const ControlObservation& mark : oriented) {
+    const Camera& camera = block.camera_of(mark.image);
+    poses.push_back(pose_of(block, mark.image));
+    normalized_xy.push_back(normalized(camera, mark.pixel));
+    focal_px.push_back(camera.focal_px());
+    limit_px = std::max(limit_px, 6 * mark.sigma_px);
+  }
+  const auto found = robust_intersect(poses, normalized_xy, focal_px, limit_px);
+  if (!found) return oriented;
+  std::vector<ControlObservation> agreeing;
+  for (std::size_t i = 0; i < oriented.size(); ++i)
+    if (found->inlier[i]) agreeing.push_back(oriented[i]);
+  return agreeing;
+}
+
 std::optional<Vector3d> start_position(const MarkingBlock& in, const ControlPoint& given,
                                        const std::vector<ControlObservation>& marks) {
   if (marks.size() >= 2)
@@ -194,9 +219,11 @@ std::optional<PointState> state_of_point(const MarkingBlock& in, const LocalPose
   }
   if (prior) {
     const auto unmarked = adjusted(in.block, local, {}, *prior, prior->position);
-    if (unmarked && std::none_of(seen.begin(), seen.end(),
-                                 [&](const PointMark& mark) { return misses(in.block, local, *unmarked, mark); }))
-      return seen.empty() ? unmarked : adjusted(in.block, local, seen, *prior, prior->position);
+    std::vector<PointMark> hits;
+    for (const PointMark& mark : seen)
+      if (unmarked && !misses(in.block, local, *unmarked, mark)) hits.push_back(mark);
+    if (unmarked && seen.empty()) return unmarked;
+    if (!hits.empty()) return adjusted(in.block, local, hits, *prior, prior->position);
   }
   if (marks.empty()) return std::nullopt;
   const auto ground = ground_prior(in, marks.front());

@@ -20,11 +20,18 @@ struct PointState {
 /// The marks as local images count them; each of them is among these.
 [[nodiscard]] std::vector<PointMark> point_marks(const LocalPoses& local, const std::vector<ControlObservation>& marks);
 
+/// Those of the marks in oriented images that agree with each other: of three and more the most whose rays pass a point
+/// within kAgree_px (and six of their sigmas); of fewer all.
+[[nodiscard]] std::vector<ControlObservation> agreeing_marks(const Block& block,
+                                                             const std::vector<ControlObservation>& marks);
+inline constexpr double kAgree_px = 10;
+
 /// About where a point lies: by two marks, by its coordinates, or by one mark and tie points. Nothing: not known.
 [[nodiscard]] std::optional<Eigen::Vector3d> start_position(const MarkingBlock& in, const ControlPoint& given,
                                                             const std::vector<ControlObservation>& marks);
 
-/// The state by everything that agrees. Nothing: not known.
+/// The state by everything that agrees: two marks and more outweigh coordinates that contradict them, and coordinates
+/// count more than single marks that miss them, unless that is the only one. Nothing: not known.
 [[nodiscard]] std::optional<PointState> state_of_point(const MarkingBlock& in, const LocalPoses& local,
                                                        const ControlPoint& given,
                                                        const std::vector<ControlObservation>& marks);
