@@ -23,4 +23,7 @@ struct MarkingBlock {
   SurfaceHeight surface = {};  ///< what may hide a point; empty: nothing does
 };
 
+/// Of each image, indices in Block::observations.
+[[nodiscard]] std::map<ImageId, std::vector<std::size_t>> observations_by_image(const Block& block);
+
 }  // namespace collinea

@@ -55,8 +55,7 @@ inline MarkingScene marking_scene(std::uint64_t seed, bool noise = true, double 
   apply(*examined, measured);
   scene.block = std::move(measured);
   scene.poses = examined->pose_covariance;
-  for (std::size_t i = 0; i < scene.block.observations.size(); ++i)
-    scene.observations[scene.block.observations[i].image].push_back(i);
+  scene.observations = observations_by_image(scene.block);
   return scene;
 }
 

@@ -7,9 +7,8 @@
 #include <stdexcept>
 
 #include "collinea/block/survey_covariance.h"
+#include "collinea/jobs/predict_marks.h"
 #include "collinea/marking/predicted_marks.h"
-#include "collinea/marking/refined_mark.h"
-#include "collinea/raster/image_window.h"
 #include "collinea/report/json_values.h"
 #include "collinea/serve/control_json.h"
 
@@ -133,23 +132,13 @@ Result<std::string> refined_json(const ProjectView& view, std::string_view body)
   COLLINEA_TRY(const RefineRequest request, refine_request_in(body));
   if (!view.block.images.contains(request.image)) return fail(Errc::kNotFound, "there is no such image");
   const Camera& camera = view.block.camera_of(request.image);
-  if (!inside(camera, request.pixel)) return fail(Errc::kBadInput, "pixel: it is not inside the image");
-  const int left = std::clamp(int(request.pixel.x()) - kRefineReach_px, 0, camera.width_px - 1);
-  const int top = std::clamp(int(request.pixel.y()) - kRefineReach_px, 0, camera.height_px - 1);
-  const PixelWindow window{left, top, std::min(2 * kRefineReach_px + 1, camera.width_px - left),
-                           std::min(2 * kRefineReach_px + 1, camera.height_px - top)};
-  COLLINEA_TRY(const FloatImage grey,
-               read_grey_window(view.image_files.at(request.image), camera.width_px, camera.height_px, window));
-  const Vector2d corner(left, top);
-  const auto found = refined_mark(grey, request.pixel - corner, request.kind);
-  if (!found)
-    return fail(Errc::kNotConverged, "no target was found within " + std::to_string(int(kLargestMiss_px)) +
-                                         " px: mark the point by hand, with its standard deviation");
-  const Matrix2d& covariance = found->covariance;
-  return text_of({{"pixel", pair(found->pixel + corner)},
+  COLLINEA_TRY(const RefinedMark found, target_in_image(view.image_files.at(request.image), camera.width_px,
+                                                        camera.height_px, request.pixel, request.kind));
+  const Matrix2d& covariance = found.covariance;
+  return text_of({{"pixel", pair(found.pixel)},
                   {"covariance_px2", {number(covariance(0, 0)), number(covariance(0, 1)), number(covariance(1, 1))}},
-                  {"sigma_px", number(found->sigma_px())},
-                  {"kind", word_of(found->kind)}});
+                  {"sigma_px", number(found.sigma_px())},
+                  {"kind", word_of(found.kind)}});
 }
 
 }  // namespace collinea

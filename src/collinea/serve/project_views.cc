@@ -7,6 +7,7 @@
 #include "collinea/base/file.h"
 #include "collinea/base/hash.h"
 #include "collinea/block/world_frame.h"
+#include "collinea/marking/marking_block.h"
 #include "collinea/math/median.h"
 #include "collinea/project/project.h"
 #include "collinea/report/adjustment_report.h"
@@ -119,13 +120,10 @@ Result<std::shared_ptr<const TieView>> ProjectView::ties() const {
     if (view->covariances.points.size() != view->block.points.size()) view->covariances.points.clear();
   }
   std::map<ImageId, std::vector<double>> heights;
-  for (std::size_t i = 0; i < view->block.observations.size(); ++i) {
-    const Observation& seen = view->block.observations[i];
-    const auto point = view->block.points.find(seen.point);
-    if (point == view->block.points.end()) continue;
-    view->observations[seen.image].push_back(i);
-    heights[seen.image].push_back(point->second.position_in_world.z());
-  }
+  view->observations = observations_by_image(view->block);
+  for (const Observation& seen : view->block.observations)
+    if (const auto point = view->block.points.find(seen.point); point != view->block.points.end())
+      heights[seen.image].push_back(point->second.position_in_world.z());
   for (auto& [image, all] : heights) view->ground_height[image] = median(all);
   ties_ = std::move(view);
   return ties_;
