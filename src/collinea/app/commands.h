@@ -51,6 +51,8 @@ Command grid_command();
 Command interior_command();
 Command edit_command();
 Command serve_command();
+Command predict_command();
+Command target_command();
 
 /// Commands under one heading of the help.
 struct CommandGroup {
@@ -79,6 +81,7 @@ struct CommandGroup {
            edit_command(),
            verify_command(),
            serve_command(),
+           predict_command(),
        }},
       {"Pair: two images",
        {
@@ -91,9 +94,9 @@ struct CommandGroup {
            relative_command(),     triplet_command(),  factorise_command(), interest_command(),
            correlate_command(),    absolute_command(), interior_command(),  resection_command(),
            intersection_command(), monoplot_command(), rotation_command(),  collinearity_command(),
-           refraction_command(),   edges_command(),    enhance_command(),   models_command(),
-           rectify_command(),      measure_command(),  volume_command(),    profile_command(),
-           evaluate_command(),     grid_command(),
+           refraction_command(),   edges_command(),    target_command(),    enhance_command(),
+           models_command(),       rectify_command(),  measure_command(),   volume_command(),
+           profile_command(),      evaluate_command(), grid_command(),
        }},
       {"Planning",
        {

@@ -1,73 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <csetjmp>
-#include <cstdio>
 #include <cstdlib>
-// jpeglib.h needs <cstdio> before it.
-#include <jerror.h>
-#include <jpeglib.h>
 
 #include "collinea/base/file.h"
 #include "collinea/raster/codec.h"
 #include "collinea/raster/image_file.h"
+#include "collinea/raster/internal/jpeg_decoder.h"
 #include "collinea/raster/jpeg_writer.h"
-
-// libjpeg leaves by longjmp. Functions that call setjmp therefore hold no C++ object with a destructor, and say by
-// their bool whether they got through; the message stays in JpegErrors.
 
 namespace collinea {
 namespace {
-
-struct JpegErrors {
-  jpeg_error_mgr base;  // first: libjpeg hands out a pointer to it
-  std::jmp_buf back;
-  char message[JMSG_LENGTH_MAX];
-};
-
-void leave(j_common_ptr info) {
-  auto* errors = reinterpret_cast<JpegErrors*>(info->err);
-  info->err->format_message(info, errors->message);
-  std::longjmp(errors->back, 1);
-}
-
-// Stray bytes before a marker and odd headers leave the image whole; every other warning means lost content.
-void on_message(j_common_ptr info, int level) {
-  if (level >= 0) return;
-  switch (info->err->msg_code) {
-    case JWRN_EXTRANEOUS_DATA:
-    case JWRN_ADOBE_XFORM:
-    case JWRN_JFIF_MAJOR:
-    case JWRN_NOT_SEQUENTIAL:
-    case JWRN_TOO_MUCH_DATA:
-      break;
-    default:
-      leave(info);
-  }
-}
-
-void set_up(JpegErrors& errors) {
-  jpeg_std_error(&errors.base);
-  errors.base.error_exit = leave;
-  errors.base.emit_message = on_message;
-  errors.base.output_message = [](j_common_ptr) {};
-  errors.message[0] = '\0';
-}
-
-struct JpegDecoder {
-  jpeg_decompress_struct info = {};
-  JpegErrors errors;
-
-  JpegDecoder() {
-    set_up(errors);
-    info.err = &errors.base;
-  }
-  ~JpegDecoder() { jpeg_destroy_decompress(&info); }
-  JpegDecoder(const JpegDecoder&) = delete;
-  JpegDecoder& operator=(const JpegDecoder&) = delete;
-
-  tl::unexpected<Error> error() const {
-    return fail(Errc::kBadFormat, std::string("damaged or incomplete JPEG: ") + errors.message);
-  }
-};
 
 bool read_header(JpegDecoder& decoder, const std::string& bytes) {
   if (setjmp(decoder.errors.back)) return false;
@@ -99,19 +40,6 @@ bool read_rows(JpegDecoder& decoder, Raster<std::uint8_t>& image) {
   }
   jpeg_finish_decompress(&decoder.info);  // reads on to the end marker: a file cut just before it is noticed too
   return true;
-}
-
-// Adobe writes its inks inverted: 255 is no ink.
-Raster<std::uint8_t> rgb_from_cmyk(const Raster<std::uint8_t>& inks, bool inverted) {
-  Raster<std::uint8_t> rgb(inks.width, inks.height, 3);
-  const std::size_t count = std::size_t(inks.width) * std::size_t(inks.height);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint8_t* ink = &inks.data[4 * i];
-    const int black = inverted ? ink[3] : 255 - ink[3];
-    for (std::size_t c = 0; c < 3; ++c)
-      rgb.data[3 * i + c] = std::uint8_t(((inverted ? ink[c] : 255 - ink[c]) * black + 127) / 255);
-  }
-  return rgb;
 }
 
 struct JpegEncoder {
@@ -217,6 +145,18 @@ bool end(JpegEncoder& encoder) {
 }
 
 }  // namespace
+
+Raster<std::uint8_t> rgb_from_cmyk(const Raster<std::uint8_t>& inks, bool inverted) {
+  Raster<std::uint8_t> rgb(inks.width, inks.height, 3);
+  const std::size_t count = std::size_t(inks.width) * std::size_t(inks.height);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint8_t* ink = &inks.data[4 * i];
+    const int black = inverted ? ink[3] : 255 - ink[3];
+    for (std::size_t c = 0; c < 3; ++c)
+      rgb.data[3 * i + c] = std::uint8_t(((inverted ? ink[c] : 255 - ink[c]) * black + 127) / 255);
+  }
+  return rgb;
+}
 
 Result<Raster<std::uint8_t>> decode_jpeg(const std::string& bytes, int channels, int shrink) {
   COLLINEA_CHECK(channels == 1 || channels == 3);

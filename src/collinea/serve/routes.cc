@@ -2,7 +2,9 @@
 #include "collinea/serve/routes.h"
 
 #include "collinea/project/settings_change.h"
+#include "collinea/serve/control_routes.h"
 #include "collinea/serve/edit_routes.h"
+#include "collinea/serve/image_routes.h"
 #include "collinea/serve/internal/byte_range.h"
 #include "collinea/serve/internal/json_answer.h"
 #include "collinea/serve/internal/page.h"
@@ -13,12 +15,6 @@
 
 namespace collinea {
 namespace {
-
-HttpResponse only(const std::string& methods) {
-  HttpResponse response = error_answer(405, "this is asked in another way: " + methods);
-  response.headers.emplace_back("Allow", methods);
-  return response;
-}
 
 // The cookie is not sent along when another site or a file led here, only when a page of this server goes on.
 HttpResponse entered(std::string cookie) {
@@ -84,15 +80,19 @@ HttpResponse project_response(const HttpRequest& request, const Target& target, 
   if (!project) return not_found();
   const std::string what = target.path.size() > 3 ? target.path[3] : "";
   const bool reads = request.method != "POST";
-  if (target.path.size() == 3) return reads ? answer_or_error(project_json(*project)) : only("GET");
+  if (target.path.size() == 3) return reads ? answer_or_error(project_json(*project)) : method_not_allowed("GET");
   if (what == "files") {
-    if (!reads) return only("GET");
+    if (!reads) return method_not_allowed("GET");
     return file_response(request, *project, std::span(target.path).subspan(4));
   }
+  if (auto response = control_response(request, target, *project, *site.views)) return *std::move(response);
+  if (what == "images")
+    return reads ? image_response(request, *project, std::span(target.path).subspan(4), *site.views)
+                 : method_not_allowed("GET");
   if (target.path.size() > 4) return not_found();
-  if (what == "jobs") return reads ? only("POST") : new_job(request, *project, site);
+  if (what == "jobs") return reads ? method_not_allowed("POST") : new_job(request, *project, site);
   if (what == "edits") return edits_response(request, target, *project, *site.journals);
-  if (what == "settings") return reads ? settings_of(*project) : only("GET");
+  if (what == "settings") return reads ? settings_of(*project) : method_not_allowed("GET");
   return not_found();
 }
 
@@ -106,11 +106,12 @@ HttpResponse api_response(const HttpRequest& request, const Target& target, Site
   const bool reads = request.method != "POST";
   if (what == "projects" && target.path.size() > 2) return project_response(request, target, site);
   if (what == "jobs" && target.path.size() == 4 && target.path[3] == "stop")
-    return reads ? only("POST") : stop_job(target.path[2], site.board);
+    return reads ? method_not_allowed("POST") : stop_job(target.path[2], site.board);
   if (target.path.size() != 2) return not_found();
-  if (what == "projects") return reads ? json_answer(projects_json(find_projects(site.roots))) : only("GET");
-  if (what == "options") return reads ? json_answer(options_json()) : only("GET");
-  if (what == "jobs") return reads ? json_answer(changes_json(site.board.since(0))) : only("GET");
+  if (what == "projects")
+    return reads ? json_answer(projects_json(find_projects(site.roots))) : method_not_allowed("GET");
+  if (what == "options") return reads ? json_answer(options_json()) : method_not_allowed("GET");
+  if (what == "jobs") return reads ? json_answer(changes_json(site.board.since(0))) : method_not_allowed("GET");
   return not_found();
 }
 
@@ -118,7 +119,7 @@ HttpResponse page_response(const HttpRequest& request, const Target& target) {
   const std::string name = target.path.empty() ? "" : target.path[0];
   const std::optional<PageFile> file = target.path.size() > 1 ? std::nullopt : page_file(name);
   if (!file) return not_found();
-  if (request.method == "POST") return only("GET");
+  if (request.method == "POST") return method_not_allowed("GET");
   return {.type = std::string(file->type), .body = std::string(file->text)};
 }
 
@@ -137,7 +138,8 @@ HttpResponse answer(const HttpRequest& request, Site& site) {
   }
   if (auto refused = site.access.refusal(request)) return *refused;
   if (!target) return error_answer(400, "the address cannot be read");
-  if (request.method != "GET" && request.method != "HEAD" && request.method != "POST") return only("GET, HEAD, POST");
+  if (request.method != "GET" && request.method != "HEAD" && request.method != "POST")
+    return method_not_allowed("GET, HEAD, POST");
   if (!target->path.empty() && target->path[0] == "api") return api_response(request, *target, site);
   return page_response(request, *target);
 }

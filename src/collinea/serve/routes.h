@@ -11,6 +11,7 @@
 #include "collinea/serve/edit_journals.h"
 #include "collinea/serve/job_board.h"
 #include "collinea/serve/message.h"
+#include "collinea/serve/project_views.h"
 
 namespace collinea {
 
@@ -21,6 +22,7 @@ struct Site {
   JobBoard& board;
   std::function<void()> link_used = {};  ///< called when a link was exchanged: there is a new one
   std::shared_ptr<EditJournals> journals = std::make_shared<EditJournals>();
+  std::shared_ptr<ProjectViews> views = std::make_shared<ProjectViews>();  ///< what is remembered of projects
 };
 
 /// The answer to any request but that for a WebSocket:
@@ -31,6 +33,8 @@ struct Site {
 ///     GET  /api/projects/ID/settings                  GET  /api/jobs
 ///     GET  /api/projects/ID/files/products/dsm.tif    GET  /api/options
 ///     GET  /api/projects/ID/edits                     POST /api/projects/ID/edits
+///     GET  /api/projects/ID/images, images/3/tiles/0/0/0.jpg, images/3/residuals
+///     GET  /api/projects/ID/map, ties, control
 ///
 /// HEAD is answered as GET; the server leaves the body out.
 [[nodiscard]] HttpResponse answer(const HttpRequest& request, Site& site);

@@ -47,6 +47,12 @@ HttpResponse answer_or_error(const Result<std::string>& text) {
 
 HttpResponse not_found() { return error_answer(404, "there is nothing of this name"); }
 
+HttpResponse method_not_allowed(const std::string& methods) {
+  HttpResponse response = error_answer(405, "this is asked in another way: " + methods);
+  response.headers.emplace_back("Allow", methods);
+  return response;
+}
+
 std::optional<std::uint64_t> number_of(std::string_view text) {
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

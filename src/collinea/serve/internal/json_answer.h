@@ -19,6 +19,8 @@ namespace collinea {
 [[nodiscard]] HttpResponse error_answer(const Error& error);
 [[nodiscard]] HttpResponse answer_or_error(const Result<std::string>& text);
 [[nodiscard]] HttpResponse not_found();
+/// `methods`: those that there are.
+[[nodiscard]] HttpResponse method_not_allowed(const std::string& methods);
 
 /// Digits alone; nothing when it is anything else, or too large.
 [[nodiscard]] std::optional<std::uint64_t> number_of(std::string_view text);

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/jobs/predict_marks.h"
+
+#include <algorithm>
+
+#include "collinea/raster/image_file.h"
+#include "collinea/raster/image_window.h"
+
+namespace collinea {
+
+Result<MarksReport> predict_marks(const Project& project, const std::string& point) {
+  COLLINEA_TRY(const Block setup, project.store.read_setup());
+  const auto named = std::find_if(setup.control.begin(), setup.control.end(),
+                                  [&](const auto& entry) { return entry.second.name == point; });
+  if (named == setup.control.end()) return fail(Errc::kNotFound, "there is no control point \"" + point + "\"");
+  MarksReport report{.point = named->second};
+  COLLINEA_TRY(report.block, project.store.read_block());
+  if (count_oriented(report.block) == 0)
+    return fail(Errc::kIllPosed, "the images are not oriented yet: bring the project to the step orient first");
+  COLLINEA_TRY(const BlockCovariances covariances, project.store.read_covariances());
+  const auto adjustment = project.store.read_outcome<AdjustmentRecord>();
+  if (!adjustment && adjustment.error().code != Errc::kNotFound) return tl::unexpected(adjustment.error());
+  const double sigma0 = adjustment && adjustment->sigma0 > 1e-9 ? adjustment->sigma0 : 1;
+  std::vector<ControlObservation> marks;
+  for (const ControlObservation& mark : setup.control_observations)
+    if (mark.point == named->first && report.block.images.contains(mark.image)) marks.push_back(mark);
+  const auto observations = observations_by_image(report.block);
+  report.marks = predicted_marks({report.block, observations, covariances.poses, sigma0}, report.point, marks);
+  return report;
+}
+
+Result<RefinedMark> target_in_image(const std::filesystem::path& image, int width_px, int height_px,
+                                    const Eigen::Vector2d& near_px, std::optional<TargetKind> kind) {
+  const bool is_inside = near_px.x() >= 0 && near_px.y() >= 0 && near_px.x() <= width_px && near_px.y() <= height_px;
+  if (!is_inside)
+    return fail(Errc::kBadInput, "the position is not inside the image of " + std::to_string(width_px) + " x " +
+                                     std::to_string(height_px) + " pixels");
+  const int left = std::clamp(int(near_px.x()) - kRefineReach_px, 0, width_px - 1);
+  const int top = std::clamp(int(near_px.y()) - kRefineReach_px, 0, height_px - 1);
+  const PixelWindow window{left, top, std::min(2 * kRefineReach_px + 1, width_px - left),
+                           std::min(2 * kRefineReach_px + 1, height_px - top)};
+  COLLINEA_TRY(const FloatImage grey, read_grey_window(image, width_px, height_px, window));
+  const Eigen::Vector2d corner(left, top);
+  auto found = refined_mark(grey, near_px - corner, kind);
+  if (!found)
+    return fail(Errc::kNotConverged, "no target was found within " + std::to_string(int(kLargestMiss_px)) +
+                                         " px: mark the point by hand, with its standard deviation");
+  found->pixel += corner;
+  return *found;
+}
+
+Result<RefinedMark> target_in_file(const std::filesystem::path& image, const Eigen::Vector2d& near_px,
+                                   const TargetOptions& options) {
+  COLLINEA_TRY(const ImageHeader header, read_image_header(image));
+  return target_in_image(image, header.width_px, header.height_px, near_px, options.kind);
+}
+
+}  // namespace collinea

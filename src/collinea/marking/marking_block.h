@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "collinea/marking/local_poses.h"
+
+namespace collinea {
+
+/// The height of the surface at a position in plan of the world; nothing where none is known.
+using SurfaceHeight = std::function<std::optional<double>(const Eigen::Vector2d& position_in_world)>;
+
+/// An oriented block, as it is asked for marks.
+struct MarkingBlock {
+  const Block& block;                                               ///< with tie points
+  const std::map<ImageId, std::vector<std::size_t>>& observations;  ///< of each image, in Block::observations
+  const PoseCovariances& poses;                                     ///< by the given sigmas; empty: not known
+  double sigma0 = 1;
+  SurfaceHeight surface = {};  ///< what may hide a point; empty: nothing does
+};
+
+/// Of each image, indices in Block::observations.
+[[nodiscard]] std::map<ImageId, std::vector<std::size_t>> observations_by_image(const Block& block);
+
+}  // namespace collinea

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "collinea/base/result.h"
+#include "collinea/block/block.h"
+#include "collinea/geodesy/local_frame.h"
+#include "collinea/raster/tile_cache.h"
+#include "collinea/serve/project_files.h"
+#include "collinea/store/project_store.h"
+
+namespace collinea {
+
+/// The tests of a mark by the adjustment of the whole block, of column and row.
+struct MarkTests {
+  Eigen::Vector2d residual_px, w, redundancy, detectable_px;  ///< NaN, or infinite: not known
+};
+
+/// A block with all its tie points.
+struct TieView {
+  Block block;
+  BlockCovariances covariances;                              ///< empty: not known
+  std::map<ImageId, std::vector<std::size_t>> observations;  ///< of each image, indices in Block::observations
+  /// Median height of the tie points that each image sees, in the world.
+  std::map<ImageId, double> ground_height;
+};
+
+/// What is known of a project in one state of its files. Nothing of it changes, so that several threads may look; tie
+/// points are read when they are first asked for.
+class ProjectView {
+ public:
+  ServedProject project;
+  std::string state;                          ///< other in every state of the project
+  Block block;                                ///< as read_orientation(): no tie points; empty before import
+  std::map<ControlId, ControlPoint> control;  ///< as set up: with what was edited since the block was oriented
+  std::vector<ControlObservation> marks;      ///< the same of control
+  std::map<ImageId, std::filesystem::path> image_files;  ///< photographs that steps work on
+  std::optional<LocalFrame> frame;                       ///< nothing: no location on Earth
+  std::optional<OrientationRecord> orientation;
+  std::optional<AdjustmentRecord> adjustment;
+
+  /// Errors: those of ProjectStore::read_block().
+  [[nodiscard]] Result<std::shared_ptr<const TieView>> ties() const;
+
+  /// The tests that the adjustment left of a mark; nothing when it took no part, or has been moved since.
+  [[nodiscard]] std::optional<MarkTests> tests_of(const ControlObservation& mark) const;
+
+  /// Of positions and covariances; those of the world where there is no map.
+  [[nodiscard]] Eigen::Vector3d in_map(const Eigen::Vector3d& position_in_world) const;
+  /// From the axes of the world to those of the map, in the middle of the block.
+  [[nodiscard]] Eigen::Matrix3d map_from_world() const { return map_from_world_; }
+
+  /// What adjustment and settings say of the project as it is now. Errors: settings or database cannot be read.
+  static Result<std::shared_ptr<const ProjectView>> read(const ServedProject& project, std::string state);
+
+ private:
+  void read_tests();
+
+  Eigen::Matrix3d map_from_world_ = Eigen::Matrix3d::Identity();
+  std::map<std::pair<ControlId, ImageId>, MarkTests> tests_;
+  mutable std::mutex mutex_;
+  mutable std::shared_ptr<const TieView> ties_;
+};
+
+/// What a server remembers of its projects, so that not every request reads a database: the last few of them, each as
+/// long as its files stay as they are; and tiles of their images. May be used from several threads.
+class ProjectViews {
+ public:
+  static constexpr std::size_t kMost = 4;  ///< projects remembered
+
+  /// Errors: settings or database cannot be read.
+  [[nodiscard]] Result<std::shared_ptr<const ProjectView>> of(const ServedProject& project);
+
+  [[nodiscard]] TileCache& tiles() { return tiles_; }
+
+ private:
+  std::mutex mutex_;
+  std::list<std::shared_ptr<const ProjectView>> views_;  // the one used last first
+  TileCache tiles_;
+};
+
+}  // namespace collinea
