@@ -23,7 +23,7 @@ namespace collinea {
 /// The findings of all steps that are done, as in reports.
 [[nodiscard]] Result<std::string> project_findings(const ProjectStore& store);
 
-/// {"number", "jobs": [...], "log": [{"job", "line"}]}.
+/// {"board", "number", "jobs": [...], "log": [{"job", "line"}]}.
 [[nodiscard]] std::string changes_json(const JobChanges& changes);
 
 /// {"job"}.
