@@ -25,7 +25,10 @@ class Station {
   edits = new SvelteMap<string, number>();
   /** Grows with every job of a project that ends: views load again what steps make. */
   ended = new SvelteMap<string, number>();
+  /** Grows with every job of a project that begins or ends: its options may have changed. */
+  turns = new SvelteMap<string, number>();
   #project = new Loaded<Project>();
+  #board = 0;
   #number = 0;
 
   /** The one that is looked at. */
@@ -81,11 +84,14 @@ class Station {
     const scheme = location.protocol === "https:" ? "wss" : "ws";
     const socket = new WebSocket(`${scheme}://${location.host}/api/events?since=${this.#number}`);
     socket.onopen = () => (this.connection = "open");
-    socket.onmessage = (event) => this.#take(JSON.parse(String(event.data)) as Changes);
     socket.onclose = () => {
       this.connection = "closed";
       setTimeout(() => void this.#followAgain(), retryMs);
     };
+    const taken = (changes: Changes): void => {
+      if (!this.#take(changes)) socket.close();
+    };
+    socket.onmessage = (event) => taken(JSON.parse(String(event.data)) as Changes);
   }
 
   /** A WebSocket does not say why it was refused; an ordinary request does. */
@@ -94,27 +100,36 @@ class Station {
       this.projects = await api.projects();
       this.#follow();
     } catch (error) {
+      // Another tab may open the link meanwhile.
       if (error instanceof api.Refused && (error.status === 401 || error.status === 403)) this.connection = "refused";
-      else setTimeout(() => void this.#followAgain(), retryMs);
+      setTimeout(() => void this.#followAgain(), retryMs);
     }
   }
 
-  #take(changes: Changes): void {
-    if (changes.number < this.#number) {
-      // Another server, which counts from 0, and whose cookie this browser has.
-      this.jobs.clear();
-      this.log = [];
+  /** False: another server counts from 0, and everything is to be asked for anew. */
+  #take(changes: Changes): boolean {
+    if (changes.board !== this.#board) {
+      const first = this.#board === 0;
+      this.#board = changes.board;
+      if (!first) {
+        this.jobs.clear();
+        this.log = [];
+        this.#number = 0;
+        return false;
+      }
     }
     this.#number = changes.number;
     const over = new Set<string>();
     for (const job of changes.jobs) {
       const before = this.jobs.get(job.id);
+      if (before?.state !== job.state) this.turns.set(job.project, (this.turns.get(job.project) ?? 0) + 1);
       if (isOver(job) && before && !isOver(before)) over.add(job.project);
-      this.jobs.set(job.id, job);
+      this.jobs.set(job.id, { ...job, received_ms: Date.now() });
     }
     if (changes.log.length) this.log = [...this.log, ...changes.log].slice(-mostLines);
     for (const edit of changes.edits ?? []) this.edits.set(edit.project, edit.number);
     for (const project of over) this.#projectEnded(project);
+    return true;
   }
 
   #projectEnded(project: string): void {

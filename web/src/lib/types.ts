@@ -92,6 +92,8 @@ export interface Job {
   left_s: number | null;
   error?: string;
   findings?: Finding[];
+  /** When the page heard of it, by its own clock. */
+  received_ms?: number;
 }
 
 export interface LogLine {
@@ -101,6 +103,8 @@ export interface LogLine {
 
 /** What the WebSocket sends. */
 export interface Changes {
+  /** Another one: another server, which counts from 0. */
+  board: number;
   number: number;
   jobs: Job[];
   log: LogLine[];
