@@ -2,6 +2,8 @@
 import { svelte } from "@sveltejs/vite-plugin-svelte";
 import { defineConfig } from "vitest/config";
 
+const station = "http://127.0.0.1:8471"; // for `npm run dev`
+
 // Everything becomes a file of its own that the server sends: its content security policy allows no inline script or style and no data: URL.
 export default defineConfig({
   plugins: [svelte()],
@@ -13,6 +15,6 @@ export default defineConfig({
     chunkSizeWarningLimit: 1000,
   },
   worker: { format: "es" },
-  server: { proxy: { "/api": { target: "http://127.0.0.1:8471", ws: true } } },
+  server: { host: "127.0.0.1", proxy: { "/api": { target: station, changeOrigin: true, headers: { origin: station }, ws: true } } },
   test: { include: ["src/**/*.test.ts"] },
 });
