@@ -13,7 +13,7 @@ import proj4 from "proj4";
 
 import * as api from "../../lib/api";
 import type { ControlPoint, ImageInfo, MapInfo, Project, Vector2 } from "../../lib/types";
-import { median, roundFactor } from "./geometry";
+import { roundFactor } from "./geometry";
 import { paintedValues } from "./paint";
 import { Raster } from "./raster";
 import { rasterLayer } from "./sources";
@@ -29,7 +29,7 @@ const rasterPaths: Partial<Record<LayerName, string>> = {
   sigma: "products/dsm_sigma.tif",
 };
 const mostTies = 20000;
-const wantedDifference = 40; // length of a usual difference [px]
+const wantedDifference = 90; // at most, of the largest difference [px]
 
 /** As a person left the map, also while another view is looked at. */
 interface Kept {
@@ -83,6 +83,7 @@ export class Chart {
   #map: OlMap | undefined;
   #projection: Projection = new Projection({ code: "collinea-local", units: "m" });
   #latest = 0;
+  #disposed = false;
 
   constructor(project: Project) {
     this.#project = project;
@@ -98,7 +99,7 @@ export class Chart {
       this.#offered("images", () => api.images(this.#project.id)),
       this.#offered("control", () => api.control(this.#project.id)),
     ]);
-    if (!target.isConnected) return;
+    if (this.#disposed) return;
     this.info = info;
     this.images = images?.images ?? [];
     this.control = control?.points ?? [];
@@ -110,6 +111,7 @@ export class Chart {
   }
 
   dispose(): void {
+    this.#disposed = true;
     const view = this.#map?.getView();
     if (view && this.ready) [this.#kept.center, this.#kept.resolution] = [view.getCenter(), view.getResolution()];
     this.#map?.setTarget(undefined);
@@ -259,9 +261,9 @@ export class Chart {
 
   #differenceLayer(): BaseLayer {
     if (this.differenceFactor === 1) {
-      const usual = median(this.control.map((point) => Math.hypot(...(point.difference_m ?? []).map((one) => one ?? 0))).filter((one) => one > 0));
+      const largest = Math.max(0, ...this.control.flatMap((point) => (point.difference_m ?? []).map((one) => Math.abs(one ?? 0))));
       const resolution = this.#map?.getView().getResolution() ?? 1;
-      this.differenceFactor = roundFactor((wantedDifference * resolution) / (usual ?? Infinity));
+      this.differenceFactor = roundFactor((wantedDifference * resolution) / largest);
     }
     return differences(this.control, this.differenceFactor);
   }
