@@ -21,6 +21,7 @@ export function makeProject(program, folder) {
 /** A server at a port that is free: its link, and how to end it. */
 export async function serve(program, project, port = 0) {
   const server = spawn(program, ["serve", project, "--port", String(port), "--progress", "none"], { stdio: ["ignore", "pipe", "pipe"] });
+  process.once("exit", () => server.kill());
   const ended = new Promise((resolve) => server.once("exit", resolve));
   const link = await new Promise((resolve, reject) => {
     let said = "";
