@@ -254,7 +254,7 @@ try {
       console.log(`ok      ${name}`);
     } catch (error) {
       ++failed;
-      console.log(`FAILED  ${name}\n${error.stack}`);
+      console.log(`FAILED  ${name}\n${error?.stack ?? error}`);
       await page.screenshot({ path: join(shots, `failed-${failed}.png`) });
     }
   }

@@ -196,8 +196,7 @@ std::vector<std::pair<std::string, std::string>> guarding_headers(bool is_projec
   const std::string policy =
       is_project_file ? "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
                       : "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; "
-                        "frame-src 'self'; worker-src 'self'; base-uri 'none'; form-action 'none'; "
-                        "frame-ancestors 'none'";
+                        "frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
   return {{"Content-Security-Policy", policy},
           {"X-Content-Type-Options", "nosniff"},
           {"Referrer-Policy", "no-referrer"},

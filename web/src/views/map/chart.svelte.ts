@@ -71,7 +71,8 @@ export class Chart {
   clicked = $state.raw<UnderCursor | undefined>();
   clickedControl = $state.raw<ControlPoint | undefined>();
   tieFactor = $state(1);
-  differenceFactor = $state(1);
+  /** 0: not chosen yet. */
+  differenceFactor = $state(0);
   sigmaRange = $state<[number, number]>([0, 1]);
   ready = $state(false);
   /** What the server does not offer. */
@@ -105,8 +106,8 @@ export class Chart {
     this.control = control?.points ?? [];
     this.#projection = projectionOf(info) ?? this.#projection;
     this.#makeMap(target);
-    this.#makeLayers();
     await this.#fitFirst();
+    this.#makeLayers();
     this.ready = true;
   }
 
@@ -185,7 +186,6 @@ export class Chart {
   }
 
   #makeLayers(): void {
-    const has = (path: string): boolean => this.#project.files.some((file) => file.path === path);
     const makers: Record<LayerName, (() => Promise<BaseLayer | undefined>) | undefined> = {
       ortho: () => this.#rasterLayer("ortho"),
       hillshade: () => this.#rasterLayer("hillshade"),
@@ -196,7 +196,7 @@ export class Chart {
       control: this.control.length ? async () => controlPoints(this.control) : undefined,
       differences: this.control.some((point) => point.difference_m) ? async () => this.#differenceLayer() : undefined,
     };
-    for (const [name, path] of Object.entries(rasterPaths)) if (!has(path)) makers[name as LayerName] = undefined;
+    for (const [name, path] of Object.entries(rasterPaths)) if (!this.#has(path)) makers[name as LayerName] = undefined;
     if (this.missing.includes("map")) makers.ties = undefined;
     const standard: Partial<Record<LayerName, boolean>> = { ortho: true, hillshade: !makers.ortho, centres: true, control: true, differences: true };
     this.layers = order.flatMap((name) => {
@@ -207,6 +207,10 @@ export class Chart {
       void this.setVisible(layer, this.#kept.visible[name] ?? standard[name] ?? false);
       return [layer];
     });
+  }
+
+  #has(path: string): boolean {
+    return this.#project.files.some((file) => file.path === path);
   }
 
   async #load(layer: ChartLayer): Promise<void> {
@@ -260,7 +264,7 @@ export class Chart {
   }
 
   #differenceLayer(): BaseLayer {
-    if (this.differenceFactor === 1) {
+    if (this.differenceFactor === 0) {
       const largest = Math.max(0, ...this.control.flatMap((point) => (point.difference_m ?? []).map((one) => Math.abs(one ?? 0))));
       const resolution = this.#map?.getView().getResolution() ?? 1;
       this.differenceFactor = roundFactor((wantedDifference * resolution) / largest);
@@ -273,8 +277,8 @@ export class Chart {
     const extent = createEmpty();
     for (const image of this.images) if (image.position) extend(extent, boundingExtent([image.position.slice(0, 2), ...(image.footprint ?? [])]));
     for (const name of ["ortho", "hillshade"] as const) {
-      const layer = this.layers.find((one) => one.name === name);
-      if (layer) await this.#raster(rasterPaths[name] ?? "").then((raster) => extend(extent, raster.extent)).catch(() => {});
+      const path = rasterPaths[name] ?? "";
+      if (this.#has(path)) await this.#raster(path).then((raster) => extend(extent, raster.extent)).catch(() => {});
     }
     return extent;
   }
@@ -287,7 +291,6 @@ export class Chart {
       view?.setResolution(resolution);
     } else {
       await this.fit();
-      if (this.differenceFactor !== 1) await this.setDifferenceFactor(1);
     }
   }
 
@@ -296,7 +299,7 @@ export class Chart {
     const mine = ++this.#latest;
     const [longitude, latitude] = geographic(this.info, place);
     const value = async (path: string): Promise<number | null> => {
-      if (!this.#project.files.some((file) => file.path === path)) return null;
+      if (!this.#has(path)) return null;
       return await this.#raster(path).then((raster) => raster.at(...place)).catch(() => null);
     };
     const [height_m, sigma_m] = await Promise.all([value("products/dsm.tif"), value("products/dsm_sigma.tif")]);
