@@ -51,10 +51,11 @@ HttpResponse only(const std::string& methods) {
 
 // The cookie is not sent along when another site or a file led here, only when a page of this server goes on.
 HttpResponse entered(std::string cookie) {
-  HttpResponse response{.type = "text/html; charset=utf-8",
-                        .body =
-                            "<!doctype html><meta charset=\"utf-8\"><meta http-equiv=\"refresh\" content=\"0; url=/\">"
-                            "<title>collinea</title><p><a href=\"/\">Go on</a></p>"};
+  HttpResponse response{
+      .type = "text/html; charset=utf-8",
+      .body =
+          "<!doctype html><meta charset=\"utf-8\"><meta http-equiv=\"refresh\" content=\"0; url=/\">"
+          "<link rel=\"icon\" href=\"/icon.svg\"><title>collinea</title><p><a href=\"/\">Go on</a></p>"};
   response.headers.emplace_back("Set-Cookie", std::move(cookie));
   return response;
 }
