@@ -167,6 +167,21 @@ const tests = {
     await page.getByLabel("Opacity: Orthophoto").fill("1");
   },
 
+  async "the map takes up what a step made anew"({ page, second }) {
+    await rail(second, "Project").click();
+    await stepRow(second, "ortho").getByRole("link", { name: "ortho" }).click();
+    await field(second, "cell_m").fill("0.32");
+    const again = page.waitForRequest(/ortho\.tif/);
+    again.catch(() => {});
+    await second.getByRole("region", { name: "The step ortho" }).getByRole("button", { name: /^Run to here/ }).click();
+    await jobIs(second, "done", 4);
+    await again;
+    assert.ok(await page.getByLabel("Orthophoto", { exact: true }).isChecked());
+    await page.getByLabel("Opacity: Orthophoto").waitFor();
+    await page.waitForFunction(() => document.querySelectorAll(".target canvas").length > 0);
+    assert.equal(await page.getByText(/cannot be shown/).count(), 0);
+  },
+
   async "the language is switched and kept"({ page }) {
     await page.getByLabel("Language").selectOption("de");
     await page.getByRole("navigation", { name: "Ansichten" }).getByRole("link", { name: "Karte" }).waitFor();
@@ -245,7 +260,7 @@ const tests = {
       route.connectToServer();
     });
     await page.goto(`${base}/#/${project.id}/jobs`);
-    await page.getByRole("cell", { name: "3", exact: true }).waitFor();
+    await page.getByRole("cell", { name: "4", exact: true }).waitFor();
     const lines = await page.getByRole("log").locator("div").count();
     await socket.close();
     await page.getByText("no connection to the server; trying again").waitFor();
@@ -268,7 +283,7 @@ async function judged(page, axe, what) {
 /** A server that ends is missed; another one at its place lets nobody in without its link, and has no jobs yet. */
 async function otherServer(page, second) {
   await page.goto(`${page.url().split("#")[0]}#/${page.url().split("/")[4]}/jobs`);
-  await page.getByRole("cell", { name: "3", exact: true }).waitFor();
+  await page.getByRole("cell", { name: "4", exact: true }).waitFor();
   await server.end();
   await page.getByText("no connection to the server; trying again").waitFor();
   server = await serve(program, project, Number(new URL(base).port));

@@ -12,6 +12,7 @@ import { register } from "ol/proj/proj4";
 import proj4 from "proj4";
 
 import * as api from "../../lib/api";
+import { station } from "../../lib/station.svelte";
 import type { ControlPoint, ImageInfo, MapInfo, Project, Vector2 } from "../../lib/types";
 import { roundFactor } from "./geometry";
 import { paintedValues } from "./paint";
@@ -83,10 +84,13 @@ export class Chart {
   readonly #marker = marker();
   #map: OlMap | undefined;
   #projection: Projection = new Projection({ code: "collinea-local", units: "m" });
+  /** Browsers keep ranges of a file; when it has changed they get all of it instead of the range that they ask for. */
+  readonly #version: string;
   #latest = 0;
   #disposed = false;
 
   constructor(project: Project) {
+    this.#version = `${Math.floor(performance.timeOrigin)}.${station.ended.get(project.id) ?? 0}`;
     this.#project = project;
     const kept = keptOf.get(project.id) ?? { visible: {}, opacity: {} };
     keptOf.set(project.id, kept);
@@ -240,7 +244,7 @@ export class Chart {
 
   #raster(path: string): Promise<Raster> {
     let raster = this.#rasters.get(path);
-    if (!raster) this.#rasters.set(path, (raster = Raster.open(api.fileAddress(this.#project.id, path))));
+    if (!raster) this.#rasters.set(path, (raster = Raster.open(`${api.fileAddress(this.#project.id, path)}?version=${this.#version}`)));
     return raster;
   }
 
