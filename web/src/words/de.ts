@@ -93,6 +93,7 @@ export const de: Record<Key, string> = {
   "options.default": "Vorgabe: {value}",
   "project.all_findings": "Alle {count} Befunde zeigen",
   "project.fewer_findings": "Weniger zeigen",
+  "project.progress": "Fortschritt von {step}",
 
   // Map
   "map.title": "Karte",

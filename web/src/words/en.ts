@@ -91,6 +91,7 @@ export const en = {
   "options.default": "Default: {value}",
   "project.all_findings": "Show all {count} findings",
   "project.fewer_findings": "Show fewer",
+  "project.progress": "Progress of {step}",
 
   // Map
   "map.title": "Map",
