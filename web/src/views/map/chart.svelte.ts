@@ -166,8 +166,9 @@ export class Chart {
   async #offered<T>(name: "map" | "images" | "control", request: () => Promise<T>): Promise<T | undefined> {
     try {
       return await request();
-    } catch {
-      this.missing = [...this.missing, name];
+    } catch (error) {
+      if (api.isMissing(error)) this.missing = [...this.missing, name];
+      else station.complain(error);
       return undefined;
     }
   }
