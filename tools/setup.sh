@@ -11,6 +11,10 @@ libgdal-dev libproj-dev proj-data libexiv2-dev libjpeg62-turbo-dev libpng-dev li
 libgtest-dev
 "
 
+# The page of `collinea serve` is built with nodejs and npm; newer ones than Debian's, from elsewhere, will do.
+node_major=$(node --version 2>/dev/null | sed 's/^v\([0-9]*\).*/\1/' || true)
+if [ "${node_major:-0}" -lt 18 ] || ! command -v npm >/dev/null; then packages="$packages nodejs npm"; fi
+
 missing=""
 for package in $packages; do
   dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q "ok installed" || missing="$missing $package"

@@ -13,10 +13,19 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
+// Boards of different servers differ by when they were made; a number that JSON's readers keep exactly (below 2^53).
+std::uint64_t microseconds_of_clock() {
+  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
+  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(since_epoch).count());
+}
+
 }  // namespace
 
 JobBoard::JobBoard(Work work, Run run)
-    : work_(std::move(work)), run_(std::move(run)), worker_([this](std::stop_token end) { work_on(std::move(end)); }) {}
+    : work_(std::move(work)),
+      run_(std::move(run)),
+      board_(microseconds_of_clock()),
+      worker_([this](std::stop_token end) { work_on(std::move(end)); }) {}
 
 JobBoard::~JobBoard() {
   worker_.request_stop();
@@ -57,7 +66,7 @@ bool JobBoard::stop(std::uint64_t id) {
 
 JobChanges JobBoard::since(std::uint64_t number) const {
   const std::lock_guard lock(mutex_);
-  JobChanges changes{last_change_, {}, {}};
+  JobChanges changes{board_, last_change_, {}, {}};
   for (const auto& [id, job] : jobs_) {
     if (job.status.changed <= number) continue;
     changes.jobs.push_back(job.status);

@@ -59,6 +59,7 @@ struct JobLine {
 
 /// What changed since some number.
 struct JobChanges {
+  std::uint64_t board = 0;   ///< which board counts: another has another number
   std::uint64_t number = 0;  ///< of the last change
   std::vector<JobStatus> jobs;
   std::vector<JobLine> lines;
@@ -109,6 +110,7 @@ class JobBoard {
   std::map<std::uint64_t, Job> jobs_;
   std::deque<JobLine> lines_;
   std::uint64_t last_job_ = 0, last_change_ = 0;
+  const std::uint64_t board_;
   std::jthread worker_;  // last: it ends before what it uses
 };
 

@@ -104,7 +104,7 @@ Result<std::string> project_findings(const ProjectStore& store) {
 }
 
 std::string changes_json(const JobChanges& changes, std::span<const GrownJournal> grown) {
-  json all = {{"number", changes.number}, {"jobs", json::array()}, {"log", json::array()}};
+  json all = {{"board", changes.board}, {"number", changes.number}, {"jobs", json::array()}, {"log", json::array()}};
   for (const JobStatus& status : changes.jobs) all["jobs"].push_back(status_json(status));
   for (const JobLine& line : changes.lines) all["log"].push_back({{"job", line.job}, {"line", line.text}});
   for (const GrownJournal& one : grown) all["edits"].push_back({{"project", one.project}, {"number", one.number}});

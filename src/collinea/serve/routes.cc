@@ -6,6 +6,7 @@
 #include "collinea/serve/edit_routes.h"
 #include "collinea/serve/image_routes.h"
 #include "collinea/serve/internal/byte_range.h"
+#include "collinea/serve/internal/content_coding.h"
 #include "collinea/serve/internal/json_answer.h"
 #include "collinea/serve/internal/page.h"
 #include "collinea/serve/internal/target.h"
@@ -18,10 +19,11 @@ namespace {
 
 // The cookie is not sent along when another site or a file led here, only when a page of this server goes on.
 HttpResponse entered(std::string cookie) {
-  HttpResponse response{.type = "text/html; charset=utf-8",
-                        .body =
-                            "<!doctype html><meta charset=\"utf-8\"><meta http-equiv=\"refresh\" content=\"0; url=/\">"
-                            "<title>collinea</title><p><a href=\"/\">Go on</a></p>"};
+  HttpResponse response{
+      .type = "text/html; charset=utf-8",
+      .body =
+          "<!doctype html><meta charset=\"utf-8\"><meta http-equiv=\"refresh\" content=\"0; url=/\">"
+          "<link rel=\"icon\" href=\"/icon.svg\"><title>collinea</title><p><a href=\"/\">Go on</a></p>"};
   response.headers.emplace_back("Set-Cookie", std::move(cookie));
   return response;
 }
@@ -115,12 +117,20 @@ HttpResponse api_response(const HttpRequest& request, const Target& target, Site
   return not_found();
 }
 
+// What lies in assets/ has a name that changes with what it holds.
 HttpResponse page_response(const HttpRequest& request, const Target& target) {
-  const std::string name = target.path.empty() ? "" : target.path[0];
-  const std::optional<PageFile> file = target.path.size() > 1 ? std::nullopt : page_file(name);
+  std::string name;
+  for (const std::string& part : target.path) name += (name.empty() ? "" : "/") + part;
+  const std::optional<PageFile> file = page_file(name);
   if (!file) return not_found();
   if (request.method == "POST") return method_not_allowed("GET");
-  return {.type = std::string(file->type), .body = std::string(file->text)};
+  const bool zipped = !file->zipped.empty() && allows_gzip(request.header("accept-encoding"));
+  HttpResponse response{.type = std::string(file->type), .body = std::string(zipped ? file->zipped : file->bytes)};
+  const bool never_changes = name.starts_with("assets/");
+  response.headers = {{"Cache-Control", never_changes ? "private, max-age=31536000, immutable" : "no-cache"},
+                      {"Vary", "Accept-Encoding"}};
+  if (zipped) response.headers.emplace_back("Content-Encoding", "gzip");
+  return response;
 }
 
 }  // namespace
@@ -156,7 +166,7 @@ std::vector<std::pair<std::string, std::string>> guarding_headers(bool is_projec
   const std::string policy =
       is_project_file ? "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
                       : "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; "
-                        "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+                        "frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
   return {{"Content-Security-Policy", policy},
           {"X-Content-Type-Options", "nosniff"},
           {"Referrer-Policy", "no-referrer"},

@@ -4,6 +4,10 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 
+#include <map>
+#include <regex>
+#include <set>
+
 #include "collinea/serve/test_odd_requests.h"
 #include "collinea/serve/test_server.h"
 
@@ -16,7 +20,8 @@ using testing::Connection;
 
 TEST_F(ServerTest, OnlyTheLinkLetsIn) {
   const std::string good = "Host: " + host() + "\r\n";
-  for (const char* target : {"/", "/page.js", "/api/projects", "/api/options", "/nothing", "/?token=", "/?token=00"})
+  for (const char* target :
+       {"/", "/icon.svg", "/assets/x.js", "/api/projects", "/api/options", "/nothing", "/?token=", "/?token=00"})
     EXPECT_EQ(ask("GET " + std::string(target) + " HTTP/1.1\r\n" + good + "\r\n").status, 401) << target;
   const std::string link = access_->link();
   EXPECT_EQ(ask("GET " + link + " HTTP/1.1\r\nHost: evil.example\r\n\r\n").status, 403);
@@ -60,15 +65,42 @@ TEST_F(ServerTest, WhoMayNotComeInIsLeft) {
 
 TEST_F(ServerTest, ThePageIsHereAndGuarded) {
   const Answer page = fetch("/");
-  EXPECT_NE(page.body.find("<script src=\"/page.js\">"), std::string::npos);
+  EXPECT_EQ(page.status, 200);
+  EXPECT_EQ(page.header("Content-Type"), "text/html; charset=utf-8");
+  EXPECT_EQ(page.header("Cache-Control"), "no-cache");
   EXPECT_EQ(page.body.find("http"), std::string::npos);  // nothing comes from elsewhere
   EXPECT_EQ(page.header("X-Content-Type-Options"), "nosniff");
   EXPECT_NE(page.header("Content-Security-Policy").find("default-src 'none'; script-src 'self'"), std::string::npos);
-  EXPECT_EQ(fetch("/page.js").header("Content-Type"), "text/javascript; charset=utf-8");
-  EXPECT_GT(fetch("/page.js").body.size(), 1000u);
-  EXPECT_EQ(fetch("/page.css").header("Content-Type"), "text/css; charset=utf-8");
+  EXPECT_EQ(post("/", "{}").status, 405);
   EXPECT_NE(fetch(project() + "/files/report/report.html").header("Content-Security-Policy").find("sandbox;"),
             std::string::npos);
+}
+
+// The files that the page names, each with its type, compressed for those who can read that.
+TEST_F(ServerTest, WhatThePageNamesIsHere) {
+  const std::string page = fetch("/").body;
+  const std::regex names("(?:src|href)=\"(/[^\"]+)\"");
+  const std::map<std::string, std::string> types = {
+      {".js", "text/javascript; charset=utf-8"}, {".css", "text/css; charset=utf-8"}, {".svg", "image/svg+xml"}};
+  std::set<std::string> seen;
+  for (std::sregex_iterator name(page.begin(), page.end(), names), end; name != end; ++name) {
+    const std::string target = (*name)[1];
+    const std::string kind = std::filesystem::path(target).extension();
+    const Answer plain = fetch(target), zipped = fetch(target, "Accept-Encoding: gzip\r\n");
+    EXPECT_EQ(plain.status, 200) << target;
+    ASSERT_TRUE(types.contains(kind)) << target;
+    EXPECT_EQ(plain.header("Content-Type"), types.at(kind));
+    EXPECT_EQ(plain.header("Content-Encoding"), "");
+    EXPECT_EQ(plain.header("Vary"), "Accept-Encoding");
+    if (kind == ".svg") continue;
+    EXPECT_NE(plain.header("Cache-Control").find("immutable"), std::string::npos) << target;
+    EXPECT_EQ(zipped.header("Content-Encoding"), "gzip") << target;
+    EXPECT_LT(zipped.body.size(), plain.body.size()) << target;
+    EXPECT_TRUE(zipped.body.starts_with("\x1f\x8b")) << target;
+    seen.insert(kind);
+  }
+  if (page.find("without its page") != std::string::npos) GTEST_SKIP() << "built with COLLINEA_PAGE=OFF";
+  EXPECT_EQ(seen, (std::set<std::string>{".css", ".js"}));
 }
 
 TEST_F(ServerTest, ProjectsOptionsAndSettingsAreJson) {
@@ -124,8 +156,9 @@ TEST_F(ServerTest, NothingElseIsThere) {
                            "products/%2e%2e/block.db", "../../secret", "%2e%2e/%2e%2e/secret", "products%2fdsm.tif",
                            "/etc/passwd", "project.json", "products//dsm.tif", "products", ""})
     EXPECT_EQ(fetch(files + path).status, 404) << path;
-  for (const char* target : {"/nothing", "/page.js/x", "/api", "/api/", "/api/projects/7", "/api/projects/",
-                             "/api/projects/../x", "/api/nothing", "/favicon.ico"})
+  for (const char* target :
+       {"/nothing", "/icon.svg/x", "/assets", "/assets/", "/assets/..", "/assets/none.js", "/api", "/api/",
+        "/api/projects/7", "/api/projects/", "/api/projects/../x", "/api/nothing", "/favicon.ico"})
     EXPECT_EQ(fetch(target).status, 404) << target;
   EXPECT_EQ(fetch("/%zz").status, 400);
   EXPECT_EQ(ask(head("DELETE", "/api/projects") + "\r\n").status, 405);
@@ -140,7 +173,7 @@ TEST_F(ServerTest, WhatIsTooLargeIsRefused) {
 }
 
 TEST_F(ServerTest, OneConnectionServesManyRequests) {
-  const std::string request = head("GET", "/page.css") + "\r\n";
+  const std::string request = head("GET", "/") + "\r\n";
   Connection connection(port());
   for (int i = 0; i < 3; ++i) {
     connection.send(request);
@@ -154,7 +187,7 @@ TEST_F(ServerTest, OneConnectionServesManyRequests) {
 TEST_F(ServerTest, ConnectionsAreBounded) {
   stop();
   start({.connections = 2});
-  const std::string request = head("GET", "/page.css") + "\r\n";
+  const std::string request = head("GET", "/") + "\r\n";
   const auto open_one = [&] {  // refused as long as one that has ended is still counted
     while (true) {
       auto connection = std::make_unique<Connection>(port());

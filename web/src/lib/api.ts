@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Requests to the server, one function each.
+import type {
+  Control, Edits, Images, MapInfo, MarkKind, OptionGroup, OptionValues, Place, Project, ProjectName, Refined, Residual, Settings, TiePoint, Vector2,
+} from "./types";
+
+/** The server said no. */
+export class Refused extends Error {
+  constructor(
+    message: string,
+    readonly status: number,
+  ) {
+    super(message);
+  }
+}
+
+/** Whether a server has nothing of this kind: one that is older, or a project that is not so far. */
+export const isMissing = (error: unknown): boolean => error instanceof Refused && error.status === 404;
+
+export const messageOf = (error: unknown): string => (error instanceof Error ? error.message : String(error));
+
+async function ask<T>(path: string, body?: unknown): Promise<T> {
+  const how: RequestInit =
+    body === undefined ? {} : { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) };
+  const response = await fetch(path, how);
+  const answer: unknown = await response.json().catch(() => ({}));
+  if (response.ok) return answer as T;
+  const error = (answer as { error?: unknown }).error;
+  throw new Refused(typeof error === "string" ? error : response.statusText || String(response.status), response.status);
+}
+
+const base = (project: string): string => `/api/projects/${encodeURIComponent(project)}`;
+
+export const projects = (): Promise<ProjectName[]> => ask("/api/projects");
+export const options = (): Promise<OptionGroup[]> => ask("/api/options");
+export const project = (id: string): Promise<Project> => ask(base(id));
+export const settings = (id: string): Promise<Settings> => ask(`${base(id)}/settings`);
+
+/** Everything up to a step; only options that change are sent. */
+export const run = (id: string, step: string, changes: Record<string, OptionValues> = {}): Promise<{ job: number }> =>
+  ask(`${base(id)}/jobs`, { step, options: changes });
+export const stop = (job: number): Promise<unknown> => ask(`/api/jobs/${job}/stop`, {});
+
+export const map = (id: string): Promise<MapInfo> => ask(`${base(id)}/map`);
+export const images = (id: string): Promise<Images> => ask(`${base(id)}/images`);
+export const residuals = (id: string, image: number): Promise<{ points: Residual[] }> => ask(`${base(id)}/images/${image}/residuals`);
+export const ties = (id: string, most: number): Promise<{ points: TiePoint[] }> => ask(`${base(id)}/ties?most=${most}`);
+
+export const control = (id: string): Promise<Control> => ask(`${base(id)}/control`);
+export const places = (id: string, point: string): Promise<{ places: Place[] }> =>
+  ask(`${base(id)}/control/${encodeURIComponent(point)}/places`);
+export const refine = (id: string, image: number, pixel: Vector2, kind: MarkKind): Promise<Refined> =>
+  ask(`${base(id)}/refine`, { image, pixel, kind });
+export const edits = (id: string, since = 0): Promise<Edits> => ask(`${base(id)}/edits?since=${since}`);
+/** A command of control and marks, as docs/manual/serve.md lists them. */
+export const edit = (id: string, command: string[]): Promise<{ number: number }> => ask(`${base(id)}/edits`, { command });
+
+/** The address of a file of a project, for links and readers by range. */
+export const fileAddress = (id: string, path: string): string => `${base(id)}/files/${path.split("/").map(encodeURIComponent).join("/")}`;
+/** The address of a tile of a photograph, with {z}, {x} and {y} left open. */
+export const tileAddress = (id: string, image: number): string => `${base(id)}/images/${image}/tiles/{z}/{x}/{y}.jpg`;
