@@ -36,7 +36,7 @@ int main(int argc, char** argv) {
   if (!base) return std::printf("%s\n", base.error().message.c_str()), 1;
   std::printf("%zu images, %zu observations: at the beginning %.2f s\n", block.images.size(), block.observations.size(),
               seconds() - before);
-  std::vector<MarkedPoint> points;
+  std::vector<BlockPoint> points;
   std::vector<double> wall, cpu;
   for (const auto& [id, control] : block.control) {
     points.push_back({{}, SurveyedPosition{control.position_in_world, control.sigma_m, {0, 0, 0}, control.role}});

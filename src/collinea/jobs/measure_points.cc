@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/jobs/measure_points.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 #include <sstream>
@@ -20,7 +22,7 @@ using Eigen::Vector3d;
 // Points in the order of their first marks.
 struct MarkTable {
   std::vector<std::string> names;
-  std::vector<MarkedPoint> points;
+  std::vector<BlockPoint> points;
 };
 
 Result<MarkTable> read_marks(const std::filesystem::path& file, const Block& block, double sigma_px) {
@@ -42,10 +44,10 @@ Result<MarkTable> read_marks(const std::filesystem::path& file, const Block& blo
     for (std::size_t i = 0; i < points.size(); ++i) {
       const auto image = ids.find(images[i]);
       if (image == ids.end())
-        return tl::unexpected(with_nearest(
-            {Errc::kBadInput, "row " + std::to_string(i + 1) + ": the project has no image \"" + images[i] + "\""},
-            images[i], files));
-      if (!(sigmas[i] > 0)) return fail(Errc::kBadInput, "row " + std::to_string(i + 1) + ": sigma is not above 0");
+        return tl::unexpected(
+            with_nearest(Error{Errc::kBadInput, fmt::format("row {}: there is no image \"{}\"", i + 1, images[i])},
+                         images[i], files));
+      if (!(sigmas[i] > 0)) return fail(Errc::kBadInput, fmt::format("row {}: sigma is not above 0", i + 1));
       const auto [its, is_new] = numbers.try_emplace(points[i], out.points.size());
       if (is_new) {
         out.names.push_back(points[i]);
@@ -96,8 +98,8 @@ Result<std::vector<MeasuredReport::Figure>> read_figures(const std::string& aske
 }
 
 // Positions in the map where the block has one, and covariances turned to it.
-Result<void> place_points(const Block& block, const AdjustedMarks& adjusted, MeasuredReport& report,
-                          std::vector<double>& heights) {
+Result<void> take_positions(const Block& block, const AdjustedMarks& adjusted, MeasuredReport& report,
+                            std::vector<double>& heights) {
   COLLINEA_TRY(const auto frame, world_frame(block));
   if (frame) report.crs = frame->crs();
   for (std::size_t i = 0; i < report.points.size(); ++i) {
@@ -132,16 +134,16 @@ Result<void> measure_figures(const MarkTable& table, const AdjustedMarks& adjust
       if (number->second)
         of.push_back(*number->second);
       else
-        figure.missing = "point " + name + " is not determined";
+        figure.undetermined = name;
     }
-    if (!figure.missing.empty()) continue;
+    if (!figure.undetermined.empty()) continue;
     const auto measured = measure_figure(figure.kind, of, points);
     if (measured)
       figure.measured = *measured;
     else if (measured.error().code == Errc::kBadInput)
       return tl::unexpected(measured.error());
     else
-      figure.missing = measured.error().message;
+      figure.refused = measured.error().message;
   }
   return {};
 }
@@ -172,7 +174,7 @@ Result<MeasuredReport> measure_points(const std::filesystem::path& folder, const
     }
   }
   std::vector<double> heights;
-  COLLINEA_TRY(place_points(block.block(), adjusted, report, heights));
+  COLLINEA_TRY(take_positions(block.block(), adjusted, report, heights));
   COLLINEA_TRY(measure_figures(table, adjusted, std::move(heights), report));
   return report;
 }

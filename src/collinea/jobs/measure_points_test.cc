@@ -96,7 +96,7 @@ TEST(MeasurePoints, WhatCannotBeMeasuredIsNamed) {
   const auto lone = survey.measured("distance A " + survey.name(0), image + " A 100 200 1\n");
   ASSERT_TRUE(lone);
   EXPECT_FALSE(lone->points.back().position);
-  EXPECT_EQ(lone->figures[0].missing, "point A is not determined");
+  EXPECT_EQ(lone->figures[0].undetermined, "A");
   EXPECT_NE(measured_text(*lone).find("its marks do not determine it"), std::string::npos);
 }
 

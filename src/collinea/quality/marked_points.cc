@@ -33,10 +33,10 @@ Matrix3d weight_of(const SurveyedPosition& surveyed) {
   return survey_weight(sigmas_of(surveyed), surveyed.correlation).value_or(Matrix3d::Zero());
 }
 
-Result<> check(std::span<const MarkedPoint> points) {
+Result<> check(std::span<const BlockPoint> points) {
   std::size_t marks = 0;
-  for (const MarkedPoint& point : points) {
-    for (const PointMark& mark : point.marks)
+  for (const BlockPoint& point : points) {
+    for (const BlockMark& mark : point.marks)
       if (!(mark.sigma_px > 0) || !std::isfinite(mark.sigma_px) || !mark.shape.is_valid() || !mark.pixel.allFinite())
         return fail(Errc::kBadInput, "a mark needs two coordinates and a standard deviation above 0");
     marks += point.marks.size();
@@ -73,12 +73,12 @@ std::map<ImageId, std::uint32_t> image_numbers(const bundle::Problem& problem) {
 }
 
 // Nothing when neither its rays nor its coordinates say where it is.
-std::optional<Taken> taken_of(const MarkedPoint& given, const Block& block,
+std::optional<Taken> taken_of(const BlockPoint& given, const Block& block,
                               const std::map<ImageId, std::uint32_t>& numbers) {
   Taken taken;
   std::vector<SightLine> lines;
   for (std::size_t m = 0; m < given.marks.size(); ++m) {
-    const PointMark& mark = given.marks[m];
+    const BlockMark& mark = given.marks[m];
     const auto image = numbers.find(mark.image);
     if (image == numbers.end()) continue;
     lines.push_back({&block.camera_of(mark.image), pose_of(block, mark.image), mark.pixel, mark.sigma_px, mark.shape});
@@ -105,8 +105,8 @@ std::optional<Taken> taken_of(const MarkedPoint& given, const Block& block,
   return taken;
 }
 
-MarkTest test_of(const bundle::Ray& ray, const MarkSolution& solution, Index row, double sigma0, double delta0) {
-  MarkTest out;
+BlockMarkTest test_of(const bundle::Ray& ray, const MarkSolution& solution, Index row, double sigma0, double delta0) {
+  BlockMarkTest out;
   out.redundancy = solution.redundancy.segment<2>(row).cwiseMax(0).cwiseMin(1);
   const Vector2d in_sigmas = solution.residuals.segment<2>(row);
   const double sigma_px = 1 / ray.inverse_sigma;
@@ -213,7 +213,7 @@ void take_images(const MarkSolution& solution, const bundle::Problem& problem, A
 
 }  // namespace
 
-Result<AdjustedMarks> MarkedBlock::adjust(std::span<const MarkedPoint> points, const TestOptions& test) {
+Result<AdjustedMarks> MarkedBlock::adjust(std::span<const BlockPoint> points, const TestOptions& test) {
   COLLINEA_TRY(check(points));
   COLLINEA_TRY(validate(test));
   State& state = *state_;

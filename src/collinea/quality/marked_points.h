@@ -20,7 +20,7 @@
 namespace collinea {
 
 /// A point in an image, as a person or a target finder marked it.
-struct PointMark {
+struct BlockMark {
   ImageId image;
   Eigen::Vector2d pixel;
   double sigma_px = 1;  ///< as Observation::sigma_px
@@ -36,13 +36,13 @@ struct SurveyedPosition {
 };
 
 /// A point that is known by its marks, and by coordinates where it was surveyed.
-struct MarkedPoint {
-  std::vector<PointMark> marks;
+struct BlockPoint {
+  std::vector<BlockMark> marks;
   std::optional<SurveyedPosition> surveyed = {};
 };
 
 /// What the block and all other marks say of a mark.
-struct MarkTest {
+struct BlockMarkTest {
   static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   /// Marked minus adjusted; NaN: its point has no position, or its image takes no part.
   Eigen::Vector2d residual_px{kNaN, kNaN};
@@ -60,7 +60,7 @@ struct AdjustedMark {
   /// NaN on axes that were not surveyed.
   Eigen::Vector3d difference_m = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   Eigen::Vector3d difference_sigma_m = difference_m;
-  std::vector<MarkTest> marks;  ///< parallel to MarkedPoint::marks
+  std::vector<BlockMarkTest> marks;  ///< parallel to BlockPoint::marks
 };
 
 /// The block and all marked points together.
@@ -125,7 +125,7 @@ class MarkedBlock {
 
   /// The block with these marks. Points without two marks (or one and coordinates on three axes) have no position.
   /// Errors: kBadInput (sigmas not positive), kUnsupported (more than kMostMarks).
-  [[nodiscard]] Result<AdjustedMarks> adjust(std::span<const MarkedPoint> points, const TestOptions& test = {});
+  [[nodiscard]] Result<AdjustedMarks> adjust(std::span<const BlockPoint> points, const TestOptions& test = {});
 
   /// The block as adjusted without the points.
   [[nodiscard]] const Block& block() const;

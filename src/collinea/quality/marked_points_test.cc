@@ -18,10 +18,10 @@ using testing::test_block;
 using testing::TestBlockOptions;
 
 // The control of a block as points that are marked.
-std::vector<MarkedPoint> marked_in(const Block& block) {
-  std::vector<MarkedPoint> out;
+std::vector<BlockPoint> marked_in(const Block& block) {
+  std::vector<BlockPoint> out;
   for (const auto& [id, point] : block.control) {
-    MarkedPoint marked;
+    BlockPoint marked;
     marked.surveyed = SurveyedPosition{point.position_in_world, point.sigma_m, point.correlation, point.role};
     for (const ControlObservation& seen : block.control_observations)
       if (seen.point == id) marked.marks.push_back({seen.image, seen.pixel, seen.sigma_px, seen.shape});
@@ -74,7 +74,8 @@ void expect_as_together(const Block& block, Calibration calibration) {
   std::map<ControlId, std::size_t> next;
   for (std::uint32_t k = 0; k < block.control_observations.size(); ++k) {
     const ControlId id = block.control_observations[k].point;
-    const MarkTest& test = marks.points[std::distance(block.control.begin(), block.control.find(id))].marks[next[id]++];
+    const BlockMarkTest& test =
+        marks.points[std::distance(block.control.begin(), block.control.find(id))].marks[next[id]++];
     if (block.control.at(id).role == ControlRole::kCheck) continue;
     for (int axis = 0; axis < 2; ++axis) {
       const TestedObservation& expected = *tests.at(k)[std::size_t(axis)];
@@ -138,8 +139,8 @@ TEST(MarkedBlock, CovariancesAreThoseOfTheErrors) {
   double sum = 0, degrees = 0;
   for (int seed = 1; seed <= kBlocks; ++seed) {
     const testing::Marked made = testing::marked(small_block(std::uint64_t(seed)));
-    std::vector<MarkedPoint> points = marked_in(made.block);
-    for (MarkedPoint& point : points) point.surveyed.reset();
+    std::vector<BlockPoint> points = marked_in(made.block);
+    for (BlockPoint& point : points) point.surveyed.reset();
     Result<MarkedBlock> base = MarkedBlock::of(made.block, {}, plain(), BlockControl::kLeftOut, {});
     ASSERT_TRUE(base);
     const Result<AdjustedMarks> marks = base->adjust(points);
@@ -180,14 +181,14 @@ TEST(MarkedBlock, CheckPointsDifferAsPredicted) {
 // What came before changes nothing: marks one by one, in any order, end where all at once do.
 TEST(MarkedBlock, MarksOneByOneAreAllAtOnce) {
   const Block block = test_block(small_block(7));
-  const std::vector<MarkedPoint> all = marked_in(block);
+  const std::vector<BlockPoint> all = marked_in(block);
   Result<MarkedBlock> base = MarkedBlock::of(block, {}, plain(), BlockControl::kLeftOut, {}),
                       fresh = MarkedBlock::of(block, {}, plain(), BlockControl::kLeftOut, {});
   ASSERT_TRUE(base && fresh);
-  std::vector<MarkedPoint> some;
-  for (const MarkedPoint& point : all) {
+  std::vector<BlockPoint> some;
+  for (const BlockPoint& point : all) {
     some.push_back({{}, point.surveyed});
-    for (const PointMark& mark : point.marks) {
+    for (const BlockMark& mark : point.marks) {
       some.back().marks.push_back(mark);
       ASSERT_TRUE(base->adjust(some));
     }
@@ -201,7 +202,7 @@ TEST(MarkedBlock, MarksOneByOneAreAllAtOnce) {
 // A wrong mark has the largest test, and its redundancy says how much of it shows.
 TEST(MarkedBlock, AWrongMarkIsSeenAtOnce) {
   const Block block = test_block(small_block(8));
-  std::vector<MarkedPoint> points = marked_in(block);
+  std::vector<BlockPoint> points = marked_in(block);
   Result<MarkedBlock> base = MarkedBlock::of(block, {}, plain(), BlockControl::kLeftOut, {});
   ASSERT_TRUE(base);
   const Result<AdjustedMarks> right = base->adjust(points);
@@ -210,8 +211,8 @@ TEST(MarkedBlock, AWrongMarkIsSeenAtOnce) {
   ASSERT_TRUE(right && wrong);
   double largest = 0;
   for (const AdjustedMark& point : wrong->points)
-    for (const MarkTest& test : point.marks) largest = std::max(largest, test.w.cwiseAbs().maxCoeff());
-  const MarkTest &before = right->points[0].marks[2], &after = wrong->points[0].marks[2];
+    for (const BlockMarkTest& test : point.marks) largest = std::max(largest, test.w.cwiseAbs().maxCoeff());
+  const BlockMarkTest &before = right->points[0].marks[2], &after = wrong->points[0].marks[2];
   EXPECT_EQ(std::abs(after.w.x()), largest);
   EXPECT_NEAR(after.residual_px.x() - before.residual_px.x(), 30 * before.redundancy.x(), 0.02 * 30);
   EXPECT_NEAR(before.minimal_detectable_bias_px.x(), 4.13 * 0.5 * right->sigma0 / std::sqrt(before.redundancy.x()),
@@ -226,7 +227,7 @@ TEST(MarkedBlock, APointBesideControlIsWhereTheAdjustmentHasIt) {
   for (auto& [id, point] : block.control) point.role = id == last->first ? ControlRole::kCheck : ControlRole::kControl;
   const Result<Examined> together = examine(block, {.use_check_rays = true}, testing::examined(), {});
   ASSERT_TRUE(together);
-  MarkedPoint point = marked_in(block).back();
+  BlockPoint point = marked_in(block).back();
   point.surveyed.reset();
   Result<MarkedBlock> base = MarkedBlock::of(block, {}, plain(), BlockControl::kKept, {});
   ASSERT_TRUE(base);
@@ -242,10 +243,10 @@ TEST(MarkedBlock, APointBesideControlIsWhereTheAdjustmentHasIt) {
 
 TEST(MarkedBlock, WhatDeterminesNothingHasNoPosition) {
   const Block block = test_block(small_block(9));
-  const std::vector<MarkedPoint> all = marked_in(block);
+  const std::vector<BlockPoint> all = marked_in(block);
   Result<MarkedBlock> base = MarkedBlock::of(block, {}, plain(), BlockControl::kLeftOut, {});
   ASSERT_TRUE(base);
-  MarkedPoint one_ray{{all[0].marks[0]}}, nothing, by_survey{{all[0].marks[0]}, all[0].surveyed},
+  BlockPoint one_ray{{all[0].marks[0]}}, nothing, by_survey{{all[0].marks[0]}, all[0].surveyed},
       elsewhere{{{ImageId{9999}, {10, 10}}, {ImageId{9998}, {10, 10}}}};
   const Result<AdjustedMarks> found = base->adjust(std::vector{one_ray, nothing, by_survey, elsewhere, all[1]});
   ASSERT_TRUE(found);

@@ -102,7 +102,9 @@ std::string figures_text(const MeasuredReport& report) {
       estimates.push_back(
           {name, shown_unit(figure.kind), factor * figure.measured->value, factor * figure.measured->sigma});
     else
-      missing += fmt::format("{}: {}\n", name, figure.missing);
+      missing += fmt::format(
+          "{}: {}\n", name,
+          figure.undetermined.empty() ? figure.refused : "point " + figure.undetermined + " is not determined");
   }
   return (estimates.empty() ? "" : "\n" + estimates_text(estimates)) + missing;
 }

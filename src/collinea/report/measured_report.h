@@ -17,7 +17,7 @@ struct MeasuredReport {
   struct Mark {
     std::string image;
     bool is_oriented = false;  ///< its image is, in the block
-    MarkTest test;
+    BlockMarkTest test;
   };
   struct Point {
     std::string name;
@@ -29,7 +29,8 @@ struct MeasuredReport {
     FigureKind kind{};
     std::vector<std::string> points;
     std::optional<MeasuredFigure> measured;
-    std::string missing;  ///< why there is none
+    std::string undetermined;  ///< the point because of which there is none
+    std::string refused;       ///< why there is none of points that are there
   };
   std::string crs;  ///< of the map; empty: positions are in the frame of the block
   double sigma0 = 1;
