@@ -16,8 +16,8 @@ Command target_command() {
       "target", "the centre of a target near a position of an image, with standard deviations",
       [](Flags& flags, Asked& asked) {
         flags.positional("image", asked.image, "image file (JPEG, PNG, TIFF)");
-        flags.positional("column_px", asked.column_px, "where about the target lies; the first pixel's centre is 0.5");
-        flags.positional("row_px", asked.row_px, "the same, from above");
+        flags.positional("column", asked.column_px, "where about the target lies [px]; the first pixel's centre is 0.5");
+        flags.positional("row", asked.row_px, "the same, from above");
         flags.add_all(asked.options, "target");
         flags.add_all(asked.console, "run");
       },

@@ -75,10 +75,10 @@ void add_tests(const Equations& e, const MatrixXd& weight, MarkedPoint& point) {
   const MatrixXd redundancy = of_residuals * weight, of_multipliers = weight * redundancy;
   const VectorXd multipliers = weight * e.misfit;
   for (Eigen::Index row = 0; row < e.misfit.size(); row += 2) {
-    MarkTest test{e.misfit.segment<2>(row),
-                  {},
-                  Vector2d::Constant(std::numeric_limits<double>::quiet_NaN()),
-                  Vector2d::Constant(std::numeric_limits<double>::infinity())};
+    PointMarkTest test{e.misfit.segment<2>(row),
+                       {},
+                       Vector2d::Constant(std::numeric_limits<double>::quiet_NaN()),
+                       Vector2d::Constant(std::numeric_limits<double>::infinity())};
     for (Eigen::Index k = 0; k < 2; ++k) {
       const Eigen::Index at = row + k;
       test.redundancy[k] = redundancy(at, at);

@@ -19,7 +19,7 @@ struct PointMark {
 };
 
 /// What the other marks of its point say of a mark. Two values: column, row.
-struct MarkTest {
+struct PointMarkTest {
   Eigen::Vector2d residual_px;  ///< measured minus computed
   Eigen::Vector2d
       redundancy;     ///< part of an error that shows in its own residual; not always in [0, 1]: poses correlate marks
@@ -30,10 +30,10 @@ struct MarkTest {
 /// A point as its own marks give it.
 struct MarkedPoint {
   Eigen::Vector3d position_in_world;
-  Eigen::Matrix3d covariance;   ///< of marks and poses
-  int redundancy = 0;           ///< 2 n - 3
-  double sigma0 = 0;            ///< root of the weighted squares over the redundancy
-  std::vector<MarkTest> tests;  ///< parallel to the marks
+  Eigen::Matrix3d covariance;        ///< of marks and poses
+  int redundancy = 0;                ///< 2 n - 3
+  double sigma0 = 0;                 ///< root of the weighted squares over the redundancy
+  std::vector<PointMarkTest> tests;  ///< parallel to the marks
 };
 
 /// The least-squares intersection of the marks of one point, the poses being what the adjustment of the block made

@@ -43,7 +43,7 @@ TEST(MarkedPoint, ExactMarksMeetInThePoint) {
     ASSERT_TRUE(point);
     EXPECT_LT((point->position_in_world - truth).norm(), 1e-5);
     double redundancy = 0;
-    for (const MarkTest& test : point->tests) redundancy += test.redundancy.sum();
+    for (const PointMarkTest& test : point->tests) redundancy += test.redundancy.sum();
     EXPECT_NEAR(redundancy, point->redundancy, 1e-6);
     EXPECT_EQ(point->redundancy, 3);
   }
@@ -65,7 +65,7 @@ TEST(MarkedPoint, CovarianceAndTestsAreThoseOfTheErrors) {
     const Vector3d error = point->position_in_world - scene.points.at(id);
     sum += error.dot(point->covariance.ldlt().solve(error));
     ++count;
-    for (const MarkTest& test : point->tests)
+    for (const PointMarkTest& test : point->tests)
       for (int k = 0; k < 2; ++k)
         if (!std::isnan(test.w[k])) squares += test.w[k] * test.w[k], ++tests;
   }

@@ -77,57 +77,34 @@ std::optional<Measured> measured(const FloatImage& image, const Target& target, 
   return holds ? std::optional(out) : std::nullopt;
 }
 
-/// Where a target may lie, and the radius of the window that showed it.
-struct Start {
-  Vector2d at;
-  int radius;
-};
-
-// The part of an image about a position, and its corner.
-std::pair<FloatImage, Vector2d> part_about(const FloatImage& image, const Vector2d& at, int reach) {
-  const int left = std::clamp(int(at.x()) - reach, 0, image.width - 1);
-  const int top = std::clamp(int(at.y()) - reach, 0, image.height - 1);
-  const int right = std::min(int(at.x()) + reach + 1, image.width),
-            bottom = std::min(int(at.y()) + reach + 1, image.height);
-  FloatImage part(right - left, bottom - top);
-  for (int y = 0; y < part.height; ++y) std::copy_n(image.row(top + y) + left, part.width, part.row(y));
-  return {std::move(part), {left, top}};
-}
-
-// The best few that a search finds within reach of the click, in windows of several sizes; and the click itself.
-std::vector<Start> starts_of(const FloatImage& image, TargetKind kind, const Vector2d& click) {
-  constexpr std::size_t kMost = 3;  // in windows of one size
-  std::vector<Start> starts;
+// Positions where a target of a kind may lie, those that the search measured; and the click itself.
+std::vector<Vector2d> candidates(const FloatImage& image, const EdgeMap& edges, TargetKind kind,
+                                 const Vector2d& click) {
+  std::vector<Vector2d> all{click};
   for (const int radius : kSearchRadii) {
-    starts.push_back({click, radius});
-    const bool is_circle = kind == TargetKind::kCircle;  // their edges have a size of their own
-    if (is_circle && radius != kSearchRadii[0]) continue;
-    const int reach = is_circle ? kRefineReach_px : int(kLargestMiss_px) + radius + 4;
-    const auto [part, corner] = part_about(image, click, reach);
-    const EdgeMap edges = is_circle ? detect_edges(part, {}) : EdgeMap();
-    const TargetSearch search{.radius_px = radius, .least_contrast = 8, .largest_residual = 0.25, .most = kMost};
-    for (const Target& target : find_targets(part, edges, kind, search)) {
-      const int fitting = is_circle ? int(std::ceil(std::max(target.unknowns[7], target.unknowns[8]))) + 3 : radius;
-      starts.push_back({target.at + corner, fitting});
-    }
+    for (const Target& target : find_targets(
+             image, edges, kind, {.radius_px = radius, .least_contrast = 8, .largest_residual = 0.25, .most = 50}))
+      if ((target.at - click).norm() <= kLargestMiss_px) all.push_back(target.at);
+    if (kind == TargetKind::kCircle) break;  // they have no window
   }
-  return starts;
+  std::vector<Vector2d> apart;
+  for (const Vector2d& one : all)
+    if (std::none_of(apart.begin(), apart.end(), [&](const Vector2d& other) { return (one - other).norm() < 1; }))
+      apart.push_back(one);
+  return apart;
 }
 
-// In windows that grow as long as they tell more.
-std::optional<Measured> best_of(const FloatImage& image, TargetKind kind, const Vector2d& click) {
+std::optional<Measured> best_of(const FloatImage& image, const EdgeMap& edges, TargetKind kind, const Vector2d& click) {
   std::optional<Measured> best;
-  for (const Start& start : starts_of(image, kind, click)) {
-    if ((start.at - click).norm() > kLargestMiss_px) continue;
-    std::optional<Measured> before;
+  for (const Vector2d& start : candidates(image, edges, kind, click)) {
+    int misses = 0;
     for (const int radius : kRadii) {
-      if (radius < start.radius) continue;
-      const auto target = measure_target(image, kind, before ? before->mark.pixel : start.at, radius);
+      const auto target = measure_target(image, kind, start, radius);
       const auto one = target ? measured(image, *target, radius, click) : std::nullopt;
-      if (!one || (before && one->odds < before->odds)) break;
-      before = one;
+      if (one && (!best || one->odds > best->odds)) best = one;
+      misses = one ? 0 : misses + 1;
+      if (best && misses == 2) break;  // the window has outgrown the target
     }
-    if (before && (!best || before->odds > best->odds)) best = before;
   }
   return best;
 }
@@ -141,10 +118,11 @@ double RefinedMark::sigma_px() const {
 std::optional<RefinedMark> refined_mark(const FloatImage& image, const Vector2d& click,
                                         std::optional<TargetKind> kind) {
   if (!(click.x() >= 0 && click.y() >= 0 && click.x() <= image.width && click.y() <= image.height)) return std::nullopt;
+  const EdgeMap edges = detect_edges(image, {});
   std::optional<Measured> best;
   for (const Word<TargetKind>& word : kTargetKindWords) {
     if (kind && *kind != word.value) continue;
-    const auto one = best_of(image, word.value, click);
+    const auto one = best_of(image, edges, word.value, click);
     if (one && (!best || one->odds > best->odds)) best = one;
   }
   return best ? std::optional(best->mark) : std::nullopt;

@@ -26,7 +26,7 @@ std::string tests_text(const MarksReport& report) {
   text += fmt::format("{:<24} {:>9} {:>9} {:>7} {:>7} {:>11} {:>11}\n", "mark", "v_col_px", "v_row_px", "w_col",
                       "w_row", "MDB_col_px", "MDB_row_px");
   for (std::size_t i = 0; i < marked.tests.size(); ++i) {
-    const MarkTest& test = marked.tests[i];
+    const PointMarkTest& test = marked.tests[i];
     text += fmt::format("{:<24} {:>9.2f} {:>9.2f} {:>7.2f} {:>7.2f} {:>11.2f} {:>11.2f}\n",
                         report.block.images.at(report.marks.marked_images[i]).file, test.residual_px.x(),
                         test.residual_px.y(), test.w.x(), test.w.y(), test.detectable_px.x(), test.detectable_px.y());

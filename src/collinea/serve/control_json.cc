@@ -42,7 +42,7 @@ std::optional<Vector3d> position_of(const ProjectView& view, ImageId id) {
   return position && view.frame ? std::optional(position->position_in_world) : std::nullopt;
 }
 
-json footprint_of(const ProjectView& view, const TieView& ties, ImageId id) {
+json footprint_of(const ProjectView& view, const TiedBlock& ties, ImageId id) {
   const auto pose = find_pose(view.block, id);
   const auto height = ties.ground_height.find(id);
   if (!pose || height == ties.ground_height.end()) return nullptr;
@@ -97,7 +97,7 @@ Result<std::string> map_json(const ProjectView& view) {
 Result<std::string> images_json(const ProjectView& view) {
   std::map<ImageId, int> marks;
   for (const ControlObservation& mark : view.marks) ++marks[mark.image];
-  std::shared_ptr<const TieView> ties = std::make_shared<TieView>();
+  std::shared_ptr<const TiedBlock> ties = std::make_shared<TiedBlock>();
   if (count_oriented(view.block) > 0) {
     COLLINEA_TRY(ties, view.ties());
   }

@@ -50,7 +50,7 @@ json marked_json(const ProjectView& view, const PredictedMarks& found, const Con
       difference[axis] = difference_sigma[axis] = std::numeric_limits<double>::quiet_NaN();
   json marks = json::array();
   for (std::size_t i = 0; i < marked.tests.size(); ++i) {
-    const MarkTest& test = marked.tests[i];
+    const PointMarkTest& test = marked.tests[i];
     marks.push_back({{"image", found.marked_images[i].value},
                      {"residual_px", pair(test.residual_px)},
                      {"redundancy", pair(test.redundancy)},

@@ -109,10 +109,10 @@ Eigen::Vector3d ProjectView::in_map(const Eigen::Vector3d& position_in_world) co
   return frame ? frame->map_from_local(position_in_world) : position_in_world;
 }
 
-Result<std::shared_ptr<const TieView>> ProjectView::ties() const {
+Result<std::shared_ptr<const TiedBlock>> ProjectView::ties() const {
   const std::lock_guard lock(mutex_);
   if (ties_) return ties_;
-  auto view = std::make_shared<TieView>();
+  auto view = std::make_shared<TiedBlock>();
   if (!block.images.empty()) {
     COLLINEA_TRY(const ProjectStore store, ProjectStore::open_to_read(project.folder));
     COLLINEA_TRY(view->block, store.read_block());

@@ -26,7 +26,7 @@ struct MarkTests {
 };
 
 /// A block with all its tie points.
-struct TieView {
+struct TiedBlock {
   Block block;
   BlockCovariances covariances;                              ///< empty: not known
   std::map<ImageId, std::vector<std::size_t>> observations;  ///< of each image, indices in Block::observations
@@ -49,7 +49,7 @@ class ProjectView {
   std::optional<AdjustmentRecord> adjustment;
 
   /// Errors: those of ProjectStore::read_block().
-  [[nodiscard]] Result<std::shared_ptr<const TieView>> ties() const;
+  [[nodiscard]] Result<std::shared_ptr<const TiedBlock>> ties() const;
 
   /// The tests that the adjustment left of a mark; nothing when it took no part, or has been moved since.
   [[nodiscard]] std::optional<MarkTests> tests_of(const ControlObservation& mark) const;
@@ -68,7 +68,7 @@ class ProjectView {
   Eigen::Matrix3d map_from_world_ = Eigen::Matrix3d::Identity();
   std::map<std::pair<ControlId, ImageId>, MarkTests> tests_;
   mutable std::mutex mutex_;
-  mutable std::shared_ptr<const TieView> ties_;
+  mutable std::shared_ptr<const TiedBlock> ties_;
 };
 
 /// What a server remembers of its projects, so that not every request reads a database: the last few of them, each as
