@@ -155,8 +155,9 @@ class EditsImport : public ::testing::Test {
   [[nodiscard]] ProjectStore store() const { return ProjectStore::open(folder()).value(); }
   [[nodiscard]] std::string findings() const {
     std::string text;
-    for (const Finding& one : store().read_outcome<ImportRecord>()->findings)
-      text += label_of(one, store().read_setup_for_names().value()) + "; " + one.detail + "\n";
+    const ImportRecord record = store().read_outcome<ImportRecord>().value();
+    const Block setup = store().read_setup_for_names().value();
+    for (const Finding& one : record.findings) text += label_of(one, setup) + "; " + one.detail + "\n";
     return text;
   }
 

@@ -117,12 +117,11 @@ Result<> take_edits(Project& project, Journal& journal) {
   return {};
 }
 
-// Edits that came while a step was at work may have been seen by it, or not: what it made counts as of other inputs,
-// also where they were undone since.
-Result<std::string> unless_edited(const Project& project, const StepRow& step, std::uint64_t last_edit,
-                                  const std::string& inputs_hash) {
+// Edits that came while a step was at work may have been seen by it, or not: it counts as made of other inputs, and as
+// another result for the steps behind it, also where they were undone since.
+Result<bool> was_edited(const Project& project, const StepRow& step, std::uint64_t last_edit) {
   COLLINEA_TRY(const std::uint64_t now, project.store.last_edit());
-  return step.reads_setup && now != last_edit ? inputs_hash + " edited" : inputs_hash;
+  return step.reads_setup && now != last_edit;
 }
 
 Result<> do_step(Project& project, const StepRow& step, Journal& journal) {
@@ -147,9 +146,10 @@ Result<> do_step(Project& project, const StepRow& step, Journal& journal) {
   if (skipped_because(output.outcome))
     for (const char* product : step.products) COLLINEA_TRY(remove_file(product_path(project, product)));
   COLLINEA_CHECK(step_of(output.outcome) == step.name());
-  COLLINEA_TRY(const std::string made_of, unless_edited(project, step, last_edit, inputs_hash));
-  const StepRecord record{
-      made_of, output.output_hash, cost.seconds(), cost.cpu_seconds(), cost.peak_memory_bytes(), output.outcome};
+  COLLINEA_TRY(const bool edited, was_edited(project, step, last_edit));
+  const std::string meanwhile = edited ? " edited" : "";
+  const StepRecord record{inputs_hash + meanwhile, output.output_hash + meanwhile, cost.seconds(),
+                          cost.cpu_seconds(),      cost.peak_memory_bytes(),       output.outcome};
   COLLINEA_TRY(project.store.write_step(record));
   project.run.say(fmt::format("{:<8} {} ({:.1f} s, {:.1f} CPU-s, {:.0f} MB)", step.name(), summary_of(record.outcome),
                               record.seconds, record.cpu_seconds, record.peak_memory_bytes / 1e6));
