@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which keys belong to a view, and which to what has the focus.
+
+const fields = "input:not([type=checkbox], [type=radio], [type=range], [type=button]), textarea, select, [contenteditable]";
+
+/** Whether what has the focus wants this key for itself: letters go into fields, Enter and Space press buttons. */
+export function isTaken(event: KeyboardEvent): boolean {
+  const target = event.target;
+  if (event.altKey || !(target instanceof Element)) return event.altKey;
+  if (target.closest(fields)) return true;
+  if (event.key === "Enter" || event.key === " ") return target.closest("button, a, summary, input") !== null;
+  return event.key.startsWith("Arrow") && target.closest("input[type=range]") !== null;
+}
