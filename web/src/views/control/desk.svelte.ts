@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a person marks: the chosen point and photograph, what is known of them, and edits, which are made one after the other.
+import * as api from "../../lib/api";
+import { Loaded } from "../../lib/loaded.svelte";
+import type { Control, ControlPoint, Edits, ImageInfo, Images, Mark, MarkKind, Place, Places, Vector2 } from "../../lib/types";
+import { t } from "../../lib/words.svelte";
+import { type Column, nextPlace, nextPoint, type PlaceOrder, placesInOrder, sorted } from "./order";
+
+export interface Note {
+  severity: "note" | "wrong";
+  text: string;
+}
+
+const exact = (value: number): string => String(Number(value.toFixed(4)));
+
+export class Desk {
+  control = new Loaded<Control>();
+  images = new Loaded<Images>();
+  edits = new Loaded<Edits>();
+  places = new Loaded<Places>();
+  /** Of the chosen point. */
+  name = $state("");
+  imageId = $state<number | undefined>();
+  column = $state<Column>("name");
+  isReversed = $state(false);
+  placeOrder = $state<PlaceOrder>("best");
+  kind = $state<MarkKind>("auto");
+  refinesClicks = $state(false);
+  note = $state.raw<Note | undefined>();
+  /** Edits that are not answered yet. */
+  pending = $state(0);
+  /** So many marks are enough, and the next point comes; 0: all photographs are marked. */
+  enough = $state(6);
+  /** Called when another photograph is to be shown, or (`isSame`) when the same is expected elsewhere by now. */
+  opened: (isSame: boolean) => void = () => {};
+  #accepts: Promise<unknown> = Promise.resolve();
+  #placesOf = "";
+  #seen = 0; // number of the last edit that what is shown holds
+  #chain: Promise<unknown> = Promise.resolve();
+
+  constructor(readonly project: string) {}
+
+  points = $derived(sorted(this.control.value?.points ?? [], this.column, this.isReversed));
+  point = $derived<ControlPoint | undefined>(this.points.find((one) => one.name === this.name));
+  placeList = $derived<Place[]>(placesInOrder(this.places.value?.places ?? [], this.placeOrder));
+  place = $derived<Place | undefined>(this.placeList.find((one) => one.image === this.imageId));
+  image = $derived<ImageInfo | undefined>(this.images.value?.images.find((one) => one.id === this.imageId));
+  mark = $derived<Mark | undefined>(this.point?.marks.find((one) => one.image === this.imageId));
+  helpsMost = $derived<Place | undefined>(nextPlace(this.places.value?.places ?? [], undefined));
+
+  imageOf(id: number): ImageInfo | undefined {
+    return this.images.value?.images.find((one) => one.id === id);
+  }
+
+  async start(name: string | undefined): Promise<void> {
+    await Promise.all([this.images.load(() => api.images(this.project)), this.reload(false)]);
+    const first = this.points.find((one) => one.name === name) ?? this.points[0];
+    if (first) await this.choosePoint(first.name);
+  }
+
+  /** Asks for everything that edits and steps change. */
+  async reload(hasPlaces = true): Promise<void> {
+    const asked: Promise<void>[] = [
+      this.control.load(() => api.control(this.project)),
+      this.edits.load(async () => {
+        const edits = await api.edits(this.project);
+        this.#seen = Math.max(this.#seen, edits.number);
+        return edits;
+      }),
+    ];
+    if (hasPlaces && this.name) asked.push(this.#loadPlaces());
+    await Promise.all(asked);
+  }
+
+  /** An edit of this tab or another. */
+  async heard(number: number): Promise<void> {
+    if (number <= this.#seen || this.pending) return;
+    await this.reload();
+    if (!this.point) await this.choosePoint(this.points[0]?.name ?? "");
+  }
+
+  async choosePoint(name: string): Promise<void> {
+    this.name = name;
+    this.imageId = undefined;
+    if (!name) return;
+    await this.#loadPlaces();
+    if (this.name !== name) return;
+    const marked = this.point?.marks[0]?.image;
+    this.chooseImage(nextPlace(this.places.value?.places ?? [], undefined)?.image ?? this.placeList[0]?.image ?? marked ?? this.images.value?.images[0]?.id);
+  }
+
+  chooseImage(id: number | undefined): void {
+    this.imageId = id;
+    this.opened(false);
+  }
+
+  /** The best photograph that is not marked; nothing happens where there is none. */
+  nextImage(): boolean {
+    const next = nextPlace(this.places.value?.places ?? [], this.imageId);
+    if (next) this.chooseImage(next.image);
+    return next !== undefined;
+  }
+
+  /** The next photograph while the point has not enough marks, else the next point that has not. */
+  async goOn(): Promise<void> {
+    const isEnough = (point: ControlPoint): boolean => this.enough > 0 && point.marks.length >= this.enough;
+    if (this.point && !isEnough(this.point) && this.nextImage()) return;
+    const at = this.points.findIndex((point) => point.name === this.name);
+    const next = [...this.points.slice(at + 1), ...this.points.slice(0, Math.max(at, 0))].find((point) => !isEnough(point));
+    if (next) await this.choosePoint(next.name);
+    else this.#say("control.all_done", {});
+  }
+
+  /** Through all photographs of the point, marked ones too. */
+  stepImage(by: number): void {
+    const list = this.placeList;
+    const at = list.findIndex((place) => place.image === this.imageId);
+    if (list.length) this.chooseImage(list[(at + by + list.length) % list.length]?.image);
+  }
+
+  async nextPoint(by = 1): Promise<void> {
+    const next = nextPoint(this.points, this.name, by);
+    if (next && next.name !== this.name) await this.choosePoint(next.name);
+  }
+
+  /** Marks the chosen point in the chosen photograph. Without a standard deviation the server gives its own. */
+  async setMark(pixel: Vector2, sigma_px?: number): Promise<boolean> {
+    const { point, image } = this;
+    if (!point || !image) return false;
+    const before = { pixel, sigma_px: sigma_px ?? null, residual_px: null, w: null, redundancy: null, detectable_px: null };
+    this.#assume(point.name, image.id, { image: image.id, file: image.file, ...before });
+    return await this.edit(["mark", point.name, image.file, exact(pixel[0]), exact(pixel[1]), ...(sigma_px === undefined ? [] : [exact(sigma_px)])]);
+  }
+
+  async clicked(pixel: Vector2): Promise<void> {
+    if (this.refinesClicks) await this.refine(pixel);
+    else if (await this.setMark(pixel)) this.#say("control.marked_at", { point: this.name, x: pixel[0].toFixed(2), y: pixel[1].toFixed(2) });
+  }
+
+  /** The target near a pixel is measured and marked. False: none was found, and nothing is marked. */
+  async refine(pixel: Vector2): Promise<boolean> {
+    const { point, image } = this;
+    if (!point || !image) return false;
+    try {
+      const found = await api.refine(this.project, image.id, pixel, this.kind);
+      if (this.point?.name !== point.name || this.image?.id !== image.id) return false; // gone on meanwhile
+      if (!(await this.setMark(found.pixel, found.sigma_px))) return false;
+      this.#say("control.refined", { point: point.name, file: image.file, kind: t(`control.kind.${kindIn(found.kind)}`), sigma: found.sigma_px.toFixed(3) });
+      return true;
+    } catch (error) {
+      this.note = { severity: "wrong", text: error instanceof api.Refused && error.status === 422 ? t("control.no_target") : api.messageOf(error) };
+      return false;
+    }
+  }
+
+  /** One key for one mark: measures the target at the predicted place, marks it and goes on; what is marked already is left as it is. */
+  accept(): Promise<void> {
+    const done = this.#accepts.then(async () => {
+      const { place, mark } = this;
+      if (mark || (place && (await this.refine(place.pixel)))) await this.goOn();
+    });
+    this.#accepts = done;
+    return done;
+  }
+
+  async unmark(): Promise<void> {
+    const { point, image, mark } = this;
+    if (!point || !image || !mark) return;
+    this.#assume(point.name, image.id, undefined);
+    if (await this.edit(["unmark", point.name, image.file])) this.#say("control.unmarked", { point: point.name, file: image.file });
+  }
+
+  /** Made behind all earlier ones; what is known of control is asked for again. False: refused. */
+  edit(command: string[], isLast = true): Promise<boolean> {
+    ++this.pending;
+    const made = this.#chain.then(async () => {
+      try {
+        const { number } = await api.edit(this.project, command);
+        this.#seen = Math.max(this.#seen, number);
+        this.note = undefined;
+        return true;
+      } catch (error) {
+        this.note = { severity: "wrong", text: api.messageOf(error) };
+        return false;
+      } finally {
+        --this.pending;
+        if (isLast && !this.pending) void this.reload();
+      }
+    });
+    this.#chain = made;
+    return made;
+  }
+
+  async undo(): Promise<void> {
+    const words = this.edits.value?.undo;
+    if (words && (await this.edit(["undo"]))) this.#say("control.undone", { what: words });
+  }
+
+  async redo(): Promise<void> {
+    const words = this.edits.value?.redo;
+    if (words && (await this.edit(["redo"]))) this.#say("control.redone", { what: words });
+  }
+
+  #say(key: Parameters<typeof t>[0], values: Record<string, string | number>): void {
+    this.note = { severity: "note", text: t(key, values) };
+  }
+
+  async #loadPlaces(): Promise<void> {
+    const { name } = this;
+    const isOther = this.#placesOf !== name;
+    this.#placesOf = name;
+    await this.places.load(() => api.places(this.project, name), isOther);
+    if (this.name === name && this.imageId !== undefined && !isOther) this.opened(true);
+  }
+
+  /** A mark is shown at once, and not when the server has answered. */
+  #assume(name: string, image: number, mark: Mark | undefined): void {
+    const control = this.control.value;
+    if (control)
+      this.control.value = {
+        ...control,
+        points: control.points.map((point) => (point.name === name ? { ...point, marks: [...point.marks.filter((one) => one.image !== image), ...(mark ? [mark] : [])] } : point)),
+      };
+    const places = this.places.value;
+    if (places) this.places.value = { ...places, places: places.places.map((place) => (place.image === image ? { ...place, marked: !!mark } : place)) };
+  }
+}
+
+const kinds = ["circle", "cross", "chequerboard"] as const;
+const kindIn = (word: string): (typeof kinds)[number] => kinds.find((one) => one === word) ?? "cross";
