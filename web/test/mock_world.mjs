@@ -121,7 +121,7 @@ export class World {
     if (!point) return undefined;
     const marks = Object.entries(point.marks);
     const places = truth.has(name)
-      ? images.filter((image) => image.oriented && isIn(truePixel(name, image))).map((image) => {
+      ? images.filter((image) => image.oriented && isIn(truePixel(name, image)) && isIn(truePixel(name, image).map((one, axis) => one + missOf(name, image)[axis]))).map((image) => {
           const [x, y] = truePixel(name, image);
           const [dx, dy] = missOf(name, image);
           const size = 6 / Math.sqrt(1 + marks.length);

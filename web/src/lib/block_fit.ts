@@ -9,7 +9,7 @@ export const distanceTo = ([west, south, east, north]: Bounds, [e, n]: Vector2):
   Math.hypot(Math.max(west - e, 0, e - east), Math.max(south - n, 0, n - north));
 
 export interface Fit {
-  /** Of each point: within the block or no farther from it than it is large. */
+  /** Of each point: within the block, or no farther from it than half its diagonal. */
   isNear: boolean[];
   near: number;
   /** The least distance of one that is far [m]; 0: none is. */
@@ -21,7 +21,7 @@ export interface Fit {
 }
 
 export function fitOf(points: readonly Vector2[], bounds: Bounds): Fit {
-  const reach = Math.hypot(bounds[2] - bounds[0], bounds[3] - bounds[1]);
+  const reach = Math.hypot(bounds[2] - bounds[0], bounds[3] - bounds[1]) / 2;
   const isNear = points.map((point) => distanceTo(bounds, point) <= reach);
   const near = isNear.filter(Boolean).length;
   const far = points.filter((_, at) => !isNear[at]).map((point) => distanceTo(bounds, point));

@@ -78,6 +78,7 @@ export class PhotoMap {
   #image: ImageInfo | undefined;
   #drawn: Drawn = { marks: [], place: undefined, residuals: [], factor: 1 };
   #dragged: Vector2 | undefined;
+  #pointer: number[] | undefined; // of the screen
 
   constructor(target: HTMLElement, tiles: Tiles, handlers: Handlers) {
     this.#tiles = tiles;
@@ -90,11 +91,13 @@ export class PhotoMap {
     });
     this.#painted.paintAll = (context, toScreen, scale) => this.#paint(context, toScreen, scale);
     this.#map.on("pointermove", (event) => {
-      this.cursor = this.#inside(pixelOf(event.coordinate));
+      this.#pointer = event.pixel;
+      this.#follow();
     });
+    this.#map.on("postrender", () => this.#follow()); // the photograph moves below a pointer that rests
     this.#map.on("pointerdrag", () => (this.touched = true));
     this.#map.on("click", (event) => this.#clicked(event));
-    this.#map.getViewport().addEventListener("pointerleave", () => (this.cursor = undefined));
+    this.#map.getViewport().addEventListener("pointerleave", () => (this.#pointer = this.cursor = undefined));
     this.#map.getViewport().addEventListener("wheel", () => (this.touched = true), { passive: true });
     this.#resized = new ResizeObserver(() => this.#map.updateSize());
     this.#resized.observe(target);
@@ -176,6 +179,13 @@ export class PhotoMap {
 
   #inside(pixel: Vector2): Vector2 | undefined {
     return this.#image && isInside(this.#image, pixel) ? pixel : undefined;
+  }
+
+  #follow(): void {
+    if (!this.#pointer || this.#dragged) return;
+    const at = this.#map.getCoordinateFromPixel(this.#pointer) as number[] | null;
+    const now = at ? this.#inside(pixelOf(at)) : undefined;
+    if (now?.[0] !== this.cursor?.[0] || now?.[1] !== this.cursor?.[1]) this.cursor = now;
   }
 
   #change(image: ImageInfo): void {

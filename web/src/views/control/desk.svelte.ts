@@ -34,7 +34,8 @@ export class Desk {
   /** Called when another photograph is to be shown, or (`isSame`) when the same is expected elsewhere by now. */
   opened: (isSame: boolean) => void = () => {};
   #accepts: Promise<unknown> = Promise.resolve();
-  #placesOf = "";
+  #choice = 0; // counts points that were chosen
+  #asked = 0; // counts requests for places
   #seen = 0; // number of the last edit that what is shown holds
   #chain: Promise<unknown> = Promise.resolve();
 
@@ -61,12 +62,8 @@ export class Desk {
   /** Asks for everything that edits and steps change. */
   async reload(hasPlaces = true): Promise<void> {
     const asked: Promise<void>[] = [
-      this.control.load(() => api.control(this.project)),
-      this.edits.load(async () => {
-        const edits = await api.edits(this.project);
-        this.#seen = Math.max(this.#seen, edits.number);
-        return edits;
-      }),
+      this.control.load(async () => this.#unlessOvertaken(await api.control(this.project), this.control.value)),
+      this.#loadEdits(),
     ];
     if (hasPlaces && this.name) asked.push(this.#loadPlaces());
     await Promise.all(asked);
@@ -80,11 +77,11 @@ export class Desk {
   }
 
   async choosePoint(name: string): Promise<void> {
+    const mine = ++this.#choice;
+    if (name) await this.places.load(() => api.places(this.project, name));
+    if (mine !== this.#choice) return; // another one was chosen meanwhile
     this.name = name;
-    this.imageId = undefined;
     if (!name) return;
-    await this.#loadPlaces();
-    if (this.name !== name) return;
     const marked = this.point?.marks[0]?.image;
     this.chooseImage(nextPlace(this.places.value?.places ?? [], undefined)?.image ?? this.placeList[0]?.image ?? marked ?? this.images.value?.images[0]?.id);
   }
@@ -192,25 +189,42 @@ export class Desk {
   }
 
   async undo(): Promise<void> {
-    const words = this.edits.value?.undo;
-    if (words && (await this.edit(["undo"]))) this.#say("control.undone", { what: words });
+    if (!(await this.edit(["undo"]))) return;
+    await this.#loadEdits(); // what was undone is what can be made again
+    this.#say("control.undone", { what: this.edits.value?.redo ?? "" });
   }
 
   async redo(): Promise<void> {
-    const words = this.edits.value?.redo;
-    if (words && (await this.edit(["redo"]))) this.#say("control.redone", { what: words });
+    if (!(await this.edit(["redo"]))) return;
+    await this.#loadEdits();
+    this.#say("control.redone", { what: this.edits.value?.undo ?? "" });
   }
 
   #say(key: Parameters<typeof t>[0], values: Record<string, string | number>): void {
     this.note = { severity: "note", text: t(key, values) };
   }
 
+  async #loadEdits(): Promise<void> {
+    await this.edits.load(async () => {
+      const edits = await api.edits(this.project);
+      this.#seen = Math.max(this.#seen, edits.number);
+      return edits;
+    });
+  }
+
   async #loadPlaces(): Promise<void> {
     const { name } = this;
-    const isOther = this.#placesOf !== name;
-    this.#placesOf = name;
-    await this.places.load(() => api.places(this.project, name), isOther);
-    if (this.name === name && this.imageId !== undefined && !isOther) this.opened(true);
+    const choice = this.#choice;
+    const mine = ++this.#asked;
+    const places = await api.places(this.project, name).catch((error: unknown) => error);
+    if (choice !== this.#choice || mine !== this.#asked) return; // newer ones are on their way
+    await this.places.load(() => (places instanceof Error ? Promise.reject(places) : Promise.resolve(this.#unlessOvertaken(places as Places, this.places.value))));
+    if (this.name === name && this.imageId !== undefined) this.opened(true);
+  }
+
+  /** What was asked before an edit that is still on its way does not hold it; it is asked for again behind that. */
+  #unlessOvertaken<T>(answer: T, before: T | undefined): T {
+    return this.pending ? (before ?? answer) : answer;
   }
 
   /** A mark is shown at once, and not when the server has answered. */
