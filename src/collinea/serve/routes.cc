@@ -51,10 +51,11 @@ HttpResponse only(const std::string& methods) {
 
 // The cookie is not sent along when another site or a file led here, only when a page of this server goes on.
 HttpResponse entered(std::string cookie) {
-  HttpResponse response{.type = "text/html; charset=utf-8",
-                        .body =
-                            "<!doctype html><meta charset=\"utf-8\"><meta http-equiv=\"refresh\" content=\"0; url=/\">"
-                            "<title>collinea</title><p><a href=\"/\">Go on</a></p>"};
+  HttpResponse response{
+      .type = "text/html; charset=utf-8",
+      .body =
+          "<!doctype html><meta charset=\"utf-8\"><meta http-equiv=\"refresh\" content=\"0; url=/\">"
+          "<link rel=\"icon\" href=\"/icon.svg\"><title>collinea</title><p><a href=\"/\">Go on</a></p>"};
   response.headers.emplace_back("Set-Cookie", std::move(cookie));
   return response;
 }
@@ -196,8 +197,7 @@ std::vector<std::pair<std::string, std::string>> guarding_headers(bool is_projec
   const std::string policy =
       is_project_file ? "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
                       : "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; "
-                        "frame-src 'self'; worker-src 'self'; base-uri 'none'; form-action 'none'; "
-                        "frame-ancestors 'none'";
+                        "frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
   return {{"Content-Security-Policy", policy},
           {"X-Content-Type-Options", "nosniff"},
           {"Referrer-Policy", "no-referrer"},

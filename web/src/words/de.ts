@@ -91,6 +91,9 @@ export const de: Record<Key, string> = {
   "options.at_most": "höchstens {max}",
   "options.reset": "auf die Vorgabe zurücksetzen, {value}",
   "options.default": "Vorgabe: {value}",
+  "project.all_findings": "Alle {count} Befunde zeigen",
+  "project.fewer_findings": "Weniger zeigen",
+  "project.progress": "Fortschritt von {step}",
 
   // Map
   "map.title": "Karte",

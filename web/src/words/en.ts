@@ -89,6 +89,9 @@ export const en = {
   "options.at_most": "at most {max}",
   "options.reset": "reset to the default, {value}",
   "options.default": "Default: {value}",
+  "project.all_findings": "Show all {count} findings",
+  "project.fewer_findings": "Show fewer",
+  "project.progress": "Progress of {step}",
 
   // Map
   "map.title": "Map",

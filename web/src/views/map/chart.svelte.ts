@@ -12,6 +12,7 @@ import { register } from "ol/proj/proj4";
 import proj4 from "proj4";
 
 import * as api from "../../lib/api";
+import { station } from "../../lib/station.svelte";
 import type { ControlPoint, ImageInfo, MapInfo, Project, Vector2 } from "../../lib/types";
 import { roundFactor } from "./geometry";
 import { paintedValues } from "./paint";
@@ -71,7 +72,8 @@ export class Chart {
   clicked = $state.raw<UnderCursor | undefined>();
   clickedControl = $state.raw<ControlPoint | undefined>();
   tieFactor = $state(1);
-  differenceFactor = $state(1);
+  /** 0: not chosen yet. */
+  differenceFactor = $state(0);
   sigmaRange = $state<[number, number]>([0, 1]);
   ready = $state(false);
   /** What the server does not offer. */
@@ -82,10 +84,13 @@ export class Chart {
   readonly #marker = marker();
   #map: OlMap | undefined;
   #projection: Projection = new Projection({ code: "collinea-local", units: "m" });
+  /** Browsers keep ranges of a file; when it has changed they get all of it instead of the range that they ask for. */
+  readonly #version: string;
   #latest = 0;
   #disposed = false;
 
   constructor(project: Project) {
+    this.#version = `${Math.floor(performance.timeOrigin)}.${station.ended.get(project.id) ?? 0}`;
     this.#project = project;
     const kept = keptOf.get(project.id) ?? { visible: {}, opacity: {} };
     keptOf.set(project.id, kept);
@@ -105,8 +110,8 @@ export class Chart {
     this.control = control?.points ?? [];
     this.#projection = projectionOf(info) ?? this.#projection;
     this.#makeMap(target);
-    this.#makeLayers();
     await this.#fitFirst();
+    this.#makeLayers();
     this.ready = true;
   }
 
@@ -185,7 +190,6 @@ export class Chart {
   }
 
   #makeLayers(): void {
-    const has = (path: string): boolean => this.#project.files.some((file) => file.path === path);
     const makers: Record<LayerName, (() => Promise<BaseLayer | undefined>) | undefined> = {
       ortho: () => this.#rasterLayer("ortho"),
       hillshade: () => this.#rasterLayer("hillshade"),
@@ -196,7 +200,7 @@ export class Chart {
       control: this.control.length ? async () => controlPoints(this.control) : undefined,
       differences: this.control.some((point) => point.difference_m) ? async () => this.#differenceLayer() : undefined,
     };
-    for (const [name, path] of Object.entries(rasterPaths)) if (!has(path)) makers[name as LayerName] = undefined;
+    for (const [name, path] of Object.entries(rasterPaths)) if (!this.#has(path)) makers[name as LayerName] = undefined;
     if (this.missing.includes("map")) makers.ties = undefined;
     const standard: Partial<Record<LayerName, boolean>> = { ortho: true, hillshade: !makers.ortho, centres: true, control: true, differences: true };
     this.layers = order.flatMap((name) => {
@@ -207,6 +211,10 @@ export class Chart {
       void this.setVisible(layer, this.#kept.visible[name] ?? standard[name] ?? false);
       return [layer];
     });
+  }
+
+  #has(path: string): boolean {
+    return this.#project.files.some((file) => file.path === path);
   }
 
   async #load(layer: ChartLayer): Promise<void> {
@@ -236,7 +244,7 @@ export class Chart {
 
   #raster(path: string): Promise<Raster> {
     let raster = this.#rasters.get(path);
-    if (!raster) this.#rasters.set(path, (raster = Raster.open(api.fileAddress(this.#project.id, path))));
+    if (!raster) this.#rasters.set(path, (raster = Raster.open(`${api.fileAddress(this.#project.id, path)}?version=${this.#version}`)));
     return raster;
   }
 
@@ -260,7 +268,7 @@ export class Chart {
   }
 
   #differenceLayer(): BaseLayer {
-    if (this.differenceFactor === 1) {
+    if (this.differenceFactor === 0) {
       const largest = Math.max(0, ...this.control.flatMap((point) => (point.difference_m ?? []).map((one) => Math.abs(one ?? 0))));
       const resolution = this.#map?.getView().getResolution() ?? 1;
       this.differenceFactor = roundFactor((wantedDifference * resolution) / largest);
@@ -273,8 +281,8 @@ export class Chart {
     const extent = createEmpty();
     for (const image of this.images) if (image.position) extend(extent, boundingExtent([image.position.slice(0, 2), ...(image.footprint ?? [])]));
     for (const name of ["ortho", "hillshade"] as const) {
-      const layer = this.layers.find((one) => one.name === name);
-      if (layer) await this.#raster(rasterPaths[name] ?? "").then((raster) => extend(extent, raster.extent)).catch(() => {});
+      const path = rasterPaths[name] ?? "";
+      if (this.#has(path)) await this.#raster(path).then((raster) => extend(extent, raster.extent)).catch(() => {});
     }
     return extent;
   }
@@ -287,7 +295,6 @@ export class Chart {
       view?.setResolution(resolution);
     } else {
       await this.fit();
-      if (this.differenceFactor !== 1) await this.setDifferenceFactor(1);
     }
   }
 
@@ -296,7 +303,7 @@ export class Chart {
     const mine = ++this.#latest;
     const [longitude, latitude] = geographic(this.info, place);
     const value = async (path: string): Promise<number | null> => {
-      if (!this.#project.files.some((file) => file.path === path)) return null;
+      if (!this.#has(path)) return null;
       return await this.#raster(path).then((raster) => raster.at(...place)).catch(() => null);
     };
     const [height_m, sigma_m] = await Promise.all([value("products/dsm.tif"), value("products/dsm_sigma.tif")]);

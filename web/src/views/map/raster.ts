@@ -51,7 +51,7 @@ export class Raster {
     return new Raster(levels, extent, first.getGDALNoData());
   }
 
-  /** A tile in full size, that at the rim too: its bands, and how much of it lies in the raster. */
+  /** Bands of the part of a tile that lies in the raster; nothing where there is none, or nothing is known of the whole tile. */
   async tile(z: number, x: number, y: number, signal?: AbortSignal): Promise<{ bands: TypedArrays; width: number; height: number } | undefined> {
     const level = this.levels[z];
     if (!level) return undefined;
@@ -59,6 +59,8 @@ export class Raster {
     const right = Math.min(left + level.tile[0], level.width);
     const bottom = Math.min(top + level.tile[1], level.height);
     if (left < 0 || top < 0 || left >= right || top >= bottom) return undefined;
+    const sizes = level.image.fileDirectory.TileByteCounts as ArrayLike<number> | undefined;
+    if (sizes && sizes[y * Math.ceil(level.width / level.tile[0]) + x] === 0) return undefined; // not written
     const bands = await level.image.readRasters({ window: [left, top, right, bottom], ...(signal ? { signal } : {}) });
     return { bands: bands as unknown as TypedArrays, width: right - left, height: bottom - top };
   }

@@ -8,7 +8,7 @@ import Source from "ol/source/Source";
 import type { TiePoint } from "../../lib/types";
 import { ellipseOf, median, roundFactor } from "./geometry";
 
-const cell = 18; // of the screen, in which one ellipse is drawn [px]
+const cell = 28; // of the screen, in which one ellipse is drawn [px]
 const wanted = 7; // half the major axis of a usual ellipse [px]
 const largest = 300; // an ellipse beyond this hides the others [px]
 
