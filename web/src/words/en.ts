@@ -240,6 +240,8 @@ export const en = {
   "control.enough.meaning": "So many marks, and Enter goes on to the next point",
   "control.enough.all": "all",
   "control.marked_with": "marked, ± {sigma} px",
+  "control.residuals_enlarged": "residuals {factor} ×",
+  "control.no_journal": "This server takes no edits: nothing can be marked.",
   "control.marked_at": "{point} marked at x {x}, y {y} px",
   "control.refined": "{point} in {file}: {kind}, ± {sigma} px",
   "control.unmarked": "{point} is no longer marked in {file}",

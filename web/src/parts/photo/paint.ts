@@ -47,9 +47,9 @@ function label(context: CanvasRenderingContext2D, [x, y]: Vector2, text: string,
   context.lineJoin = "round";
   context.strokeStyle = colours.rim;
   context.lineWidth = 3;
-  context.strokeText(text, x + 9, y - 8);
+  context.strokeText(text, x + 15, y - 13);
   context.fillStyle = colour;
-  context.fillText(text, x + 9, y - 8);
+  context.fillText(text, x + 15, y - 13);
 }
 
 function arrow(context: CanvasRenderingContext2D, from: Vector2, to: Vector2, colour: string, width: number): void {
@@ -79,7 +79,7 @@ export function paintMark(context: CanvasRenderingContext2D, toScreen: ToScreen,
 /** Where a point is expected: its ellipse of one standard deviation, `scale` pixels of the screen per native one. */
 export function paintPlace(context: CanvasRenderingContext2D, toScreen: ToScreen, place: ShownPlace, scale: number): void {
   const [x, y] = toScreen(place.pixel);
-  cross(context, [x, y], colours.place, 2, 7, 1.2);
+  cross(context, [x, y], colours.place, 1.5, 4.5, 1.2);
   const { ellipse } = place;
   if (ellipse) {
     const [major, minor] = [Math.max(3, ellipse.major_px * scale), Math.max(3, ellipse.minor_px * scale)];

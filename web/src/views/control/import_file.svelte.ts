@@ -86,13 +86,16 @@ export class FileImport {
   }
 }
 
-/** By path or name, in any letter case where that names one only. */
+/** By path or name, in any letter case and without its ending where that names one only. */
 export function imageNamed(images: readonly ImageInfo[], name: string): ImageInfo | undefined {
   const path = name.replaceAll("\\", "/");
   const last = path.split("/").at(-1)?.toLowerCase();
   const exact = images.find((image) => image.file === path);
-  const alike = images.filter((image) => image.file.split("/").at(-1)?.toLowerCase() === last);
-  return exact ?? (alike.length === 1 ? alike[0] : undefined);
+  const nameOf = (image: ImageInfo): string => image.file.split("/").at(-1)?.toLowerCase() ?? "";
+  const alike = images.filter((image) => nameOf(image) === last);
+  if (exact ?? alike.length) return exact ?? (alike.length === 1 ? alike[0] : undefined);
+  const bare = images.filter((image) => nameOf(image).replace(/\.[^.]+$/, "") === last);
+  return bare.length === 1 ? bare[0] : undefined;
 }
 
 /** UTF-8, UTF-16 with its byte order mark, else Latin-1. */
