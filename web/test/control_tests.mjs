@@ -122,6 +122,31 @@ export const controlTests = {
     assert.equal(world.number, 0);
   },
 
+  async "a block that is not oriented is marked by clicks in all its photographs"({ page, open, world }) {
+    world.isOriented = false;
+    await open("control");
+    await page.getByText("the images are not oriented yet").waitFor();
+    const list = page.getByRole("list", { name: "Photographs that show P1" });
+    assert.equal(await list.getByRole("button").count(), 16);
+    await page.keyboard.press("Enter"); // nothing is predicted, so nothing is accepted
+    for (const file of ["DJI_0001.jpg", "DJI_0002.jpg"]) {
+      await until(page, async () => (await shown(page))[1] === file);
+      const box = await page.getByRole("application").boundingBox();
+      await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
+      await until(page, () => marksOf(world, "P1").some(([name]) => name === file));
+      await page.keyboard.press("Enter");
+    }
+    assert.equal(world.number, 2);
+    await until(page, async () => (await shown(page))[1] === "DJI_0003.jpg");
+  },
+
+  async "a mark that contradicts the others is named"({ page, open, world }) {
+    for (const at of [2, 3, 4]) world.edit(["mark", "P1", images[at].file, ...truePixel("P1", images[at]).map((one) => String(one + (at === 3 ? 30 : 0))), "0.08"]);
+    await open("control");
+    await page.getByRole("table", { name: "Marks of P1" }).getByRole("row").filter({ hasText: "DJI_0004.jpg" }).getByText("contradicts").waitFor();
+    await page.getByRole("button", { name: /DJI_0004.jpg contradicts/ }).waitFor();
+  },
+
   async "a refused edit leaves everything as it was"({ page, open, world }) {
     await open("control");
     await page.getByRole("application").waitFor();

@@ -30,6 +30,7 @@ function answer(world, request, path) {
   }
   if (what === undefined) return { json: { ...project, images: 16, cameras: 1, oriented: 15, crs: "EPSG:32633", steps: [], findings: [], files: [] } };
   if (what === "control" && rest.length) {
+    if (!world.isOriented) return { status: 422, json: { error: "the images are not oriented yet: bring the project to the step orient first" } };
     const places = world.places(rest[0]);
     return places ? { json: places } : missing;
   }

@@ -38,6 +38,7 @@ const isIn = ([x, y]) => x > 5 && y > 5 && x < width - 5 && y < height - 5;
 
 export class World {
   entries = [];
+  isOriented = true;
   number = 0;
   first = Object.fromEntries([...truth].map(([name, position], at) => [name, { role: at % 4 === 3 ? "check" : "control", position, sigma_m: [0.01, 0.01, 0.015], marks: {} }]));
   told = () => {};
@@ -140,7 +141,7 @@ export class World {
         return { image: image.id, ...this.#tests(name, image, mark) };
       }),
     };
-    return { places, given_disagrees: false, marked };
+    return { places, given_disagrees: false, contradicting: marks.filter(([file, mark]) => Math.max(...this.#tests(name, images.find((one) => one.file === file), mark).residual_px.map(Math.abs)) > 20).map(([file]) => images.find((one) => one.file === file).id), marked };
   }
 
   refine({ image: id, pixel }) {

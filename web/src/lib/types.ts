@@ -211,6 +211,8 @@ export interface Places {
   places: Place[];
   /** The given coordinates contradict the marks, and were not used. */
   given_disagrees?: boolean;
+  /** Photographs whose marks contradict the others, and were not used. */
+  contradicting?: number[];
   marked?: MarkedPoint | null;
 }
 

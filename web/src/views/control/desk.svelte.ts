@@ -33,7 +33,7 @@ export class Desk {
   enough = $state(6);
   /** Called when another photograph is to be shown, or (`isSame`) when the same is expected elsewhere by now. */
   opened: (isSame: boolean) => void = () => {};
-  #accepts: Promise<unknown> = Promise.resolve();
+  #actions: Promise<unknown> = Promise.resolve();
   #choice = 0; // counts points that were chosen
   #asked = 0; // counts requests for places
   #seen = 0; // number of the last edit that what is shown holds
@@ -43,11 +43,14 @@ export class Desk {
 
   points = $derived(sorted(this.control.value?.points ?? [], this.column, this.isReversed));
   point = $derived<ControlPoint | undefined>(this.points.find((one) => one.name === this.name));
-  placeList = $derived<Place[]>(placesInOrder(this.places.value?.places ?? [], this.placeOrder));
-  place = $derived<Place | undefined>(this.placeList.find((one) => one.image === this.imageId));
+  /** Where the point is expected; none before orientation. */
+  predicted = $derived<Place[]>(this.places.value?.places ?? []);
+  /** The photographs to mark it in: those that show it, all where that is not known. */
+  listed = $derived<Place[]>(placesInOrder(this.predicted.length ? this.predicted : this.#everywhere(), this.placeOrder));
+  place = $derived<Place | undefined>(this.predicted.find((one) => one.image === this.imageId));
   image = $derived<ImageInfo | undefined>(this.images.value?.images.find((one) => one.id === this.imageId));
   mark = $derived<Mark | undefined>(this.point?.marks.find((one) => one.image === this.imageId));
-  helpsMost = $derived<Place | undefined>(nextPlace(this.places.value?.places ?? [], undefined));
+  helpsMost = $derived<Place | undefined>(nextPlace(this.predicted, undefined));
 
   imageOf(id: number): ImageInfo | undefined {
     return this.images.value?.images.find((one) => one.id === id);
@@ -83,7 +86,7 @@ export class Desk {
     this.name = name;
     if (!name) return;
     const marked = this.point?.marks[0]?.image;
-    this.chooseImage(nextPlace(this.places.value?.places ?? [], undefined)?.image ?? this.placeList[0]?.image ?? marked ?? this.images.value?.images[0]?.id);
+    this.chooseImage(nextPlace(this.predicted, undefined)?.image ?? marked ?? this.listed[0]?.image);
   }
 
   chooseImage(id: number | undefined): void {
@@ -93,7 +96,7 @@ export class Desk {
 
   /** The best photograph that is not marked; nothing happens where there is none. */
   nextImage(): boolean {
-    const next = nextPlace(this.places.value?.places ?? [], this.imageId);
+    const next = nextPlace(this.predicted.length ? this.predicted : this.listed, this.imageId);
     if (next) this.chooseImage(next.image);
     return next !== undefined;
   }
@@ -110,7 +113,7 @@ export class Desk {
 
   /** Through all photographs of the point, marked ones too. */
   stepImage(by: number): void {
-    const list = this.placeList;
+    const list = this.listed;
     const at = list.findIndex((place) => place.image === this.imageId);
     if (list.length) this.chooseImage(list[(at + by + list.length) % list.length]?.image);
   }
@@ -120,51 +123,72 @@ export class Desk {
     if (next && next.name !== this.name) await this.choosePoint(next.name);
   }
 
-  /** Marks the chosen point in the chosen photograph. Without a standard deviation the server gives its own. */
-  async setMark(pixel: Vector2, sigma_px?: number): Promise<boolean> {
-    const { point, image } = this;
-    if (!point || !image) return false;
-    const before = { pixel, sigma_px: sigma_px ?? null, residual_px: null, w: null, redundancy: null, detectable_px: null };
-    this.#assume(point.name, image.id, { image: image.id, file: image.file, ...before });
-    return await this.edit(["mark", point.name, image.file, exact(pixel[0]), exact(pixel[1]), ...(sigma_px === undefined ? [] : [exact(sigma_px)])]);
+  /** Marks the chosen point where the photograph that is shown was clicked, or measures the target there. */
+  clicked(pixel: Vector2): Promise<unknown> {
+    return this.refinesClicks ? this.refine(pixel) : this.setMark(pixel);
   }
 
-  async clicked(pixel: Vector2): Promise<void> {
-    if (this.refinesClicks) await this.refine(pixel);
-    else if (await this.setMark(pixel)) this.#say("control.marked_at", { point: this.name, x: pixel[0].toFixed(2), y: pixel[1].toFixed(2) });
+  /** Without a standard deviation: the server gives its own. */
+  setMark(pixel: Vector2): Promise<boolean> {
+    return this.#inOrder(async (point, image) => {
+      const isMade = await this.#mark(point, image, pixel);
+      if (isMade) this.#say("control.marked_at", { point: point.name, x: pixel[0].toFixed(2), y: pixel[1].toFixed(2) });
+      return isMade;
+    });
   }
 
   /** The target near a pixel is measured and marked. False: none was found, and nothing is marked. */
-  async refine(pixel: Vector2): Promise<boolean> {
-    const { point, image } = this;
-    if (!point || !image) return false;
+  refine(pixel: Vector2): Promise<boolean> {
+    return this.#inOrder((point, image) => this.#measure(point, image, pixel));
+  }
+
+  unmark(): Promise<boolean> {
+    return this.#inOrder(async (point, image) => {
+      if (!point.marks.some((mark) => mark.image === image.id)) return false;
+      this.#assume(point.name, image.id, undefined);
+      const isMade = await this.edit(["unmark", point.name, image.file]);
+      if (isMade) this.#say("control.unmarked", { point: point.name, file: image.file });
+      return isMade;
+    });
+  }
+
+  /** One key for one mark: measures the target at the predicted place, marks it and goes on; what is marked already is left as it is. */
+  accept(): Promise<void> {
+    const done = this.#actions.then(async () => {
+      const { place, mark, point, image } = this;
+      if (!point || !image) return;
+      if (mark || (place && (await this.#measure(point, image, place.pixel)))) await this.goOn();
+    });
+    this.#actions = done;
+    return done;
+  }
+
+  /** Behind what was asked for before, about the point and the photograph that are shown now. */
+  #inOrder(act: (point: ControlPoint, image: ImageInfo) => Promise<boolean>): Promise<boolean> {
+    const { name, image } = this;
+    const done = this.#actions.then(async () => {
+      const point = this.points.find((one) => one.name === name);
+      return point && image ? await act(point, image) : false;
+    });
+    this.#actions = done;
+    return done;
+  }
+
+  async #mark(point: ControlPoint, image: ImageInfo, pixel: Vector2, sigma_px?: number): Promise<boolean> {
+    this.#assume(point.name, image.id, { image: image.id, file: image.file, pixel, sigma_px: sigma_px ?? null, residual_px: null, w: null, redundancy: null, detectable_px: null });
+    return await this.edit(["mark", point.name, image.file, exact(pixel[0]), exact(pixel[1]), ...(sigma_px === undefined ? [] : [exact(sigma_px)])]);
+  }
+
+  async #measure(point: ControlPoint, image: ImageInfo, pixel: Vector2): Promise<boolean> {
     try {
       const found = await api.refine(this.project, image.id, pixel, this.kind);
-      if (this.point?.name !== point.name || this.image?.id !== image.id) return false; // gone on meanwhile
-      if (!(await this.setMark(found.pixel, found.sigma_px))) return false;
+      if (!(await this.#mark(point, image, found.pixel, found.sigma_px))) return false;
       this.#say("control.refined", { point: point.name, file: image.file, kind: t(`control.kind.${kindIn(found.kind)}`), sigma: found.sigma_px.toFixed(3) });
       return true;
     } catch (error) {
       this.note = { severity: "wrong", text: error instanceof api.Refused && error.status === 422 ? t("control.no_target") : api.messageOf(error) };
       return false;
     }
-  }
-
-  /** One key for one mark: measures the target at the predicted place, marks it and goes on; what is marked already is left as it is. */
-  accept(): Promise<void> {
-    const done = this.#accepts.then(async () => {
-      const { place, mark } = this;
-      if (mark || (place && (await this.refine(place.pixel)))) await this.goOn();
-    });
-    this.#accepts = done;
-    return done;
-  }
-
-  async unmark(): Promise<void> {
-    const { point, image, mark } = this;
-    if (!point || !image || !mark) return;
-    this.#assume(point.name, image.id, undefined);
-    if (await this.edit(["unmark", point.name, image.file])) this.#say("control.unmarked", { point: point.name, file: image.file });
   }
 
   /** Made behind all earlier ones; what is known of control is asked for again. False: refused. */
@@ -227,6 +251,13 @@ export class Desk {
     return this.pending ? (before ?? answer) : answer;
   }
 
+  #everywhere(): Place[] {
+    const marks = this.point?.marks ?? [];
+    return (this.images.value?.images ?? []).map((image) => ({
+      image: image.id, file: image.file, pixel: [image.width / 2, image.height / 2], ellipse: null, marked: marks.some((mark) => mark.image === image.id), sigma_after_m: null,
+    }));
+  }
+
   /** A mark is shown at once, and not when the server has answered. */
   #assume(name: string, image: number, mark: Mark | undefined): void {
     const control = this.control.value;
@@ -235,7 +266,7 @@ export class Desk {
         ...control,
         points: control.points.map((point) => (point.name === name ? { ...point, marks: [...point.marks.filter((one) => one.image !== image), ...(mark ? [mark] : [])] } : point)),
       };
-    const places = this.places.value;
+    const places = this.name === name ? this.places.value : undefined;
     if (places) this.places.value = { ...places, places: places.places.map((place) => (place.image === image ? { ...place, marked: !!mark } : place)) };
   }
 }
