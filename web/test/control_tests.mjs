@@ -105,6 +105,9 @@ export const controlTests = {
     await until(page, () => marksOf(world, name).length === 0);
     await page.getByRole("button", { name: "Undo" }).click();
     await until(page, () => marksOf(world, name).length === 1);
+    await page.keyboard.press("Enter"); // goes on, and does not press the button again
+    await until(page, async () => (await shown(page))[1] !== file);
+    assert.equal(marksOf(world, name).length, 1);
     await page.keyboard.press("h");
     const history = page.getByRole("region", { name: "History" });
     await history.getByText(`unmark ${name} ${file}`, { exact: true }).waitFor();
