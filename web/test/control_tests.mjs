@@ -255,6 +255,25 @@ export const controlTests = {
     assert.deepEqual(point.marks["DJI_0003.jpg"].pixel, [100, 200]);
   },
 
+  async "a file that is dropped on the view is read, and the point stays chosen meanwhile"({ page, open }) {
+    await open("control");
+    await page.getByRole("application").waitFor();
+    await page.keyboard.press("p");
+    await until(page, async () => (await shown(page))[0] === "P2");
+    const dataTransfer = await page.evaluateHandle(() => {
+      const data = new DataTransfer();
+      data.items.add(new File(["C1\t500000\t5300000\t50\nC2\t500010\t5300000\t50\n"], "dropped.txt", { type: "text/plain" }));
+      return data;
+    });
+    await page.dispatchEvent(".control", "drop", { dataTransfer });
+    await page.getByText("dropped.txt").waitFor();
+    await page.getByText("2 rows, separated by tabs").waitFor();
+    await page.getByLabel("Meaning of column 4").selectOption("sigma E");
+    await page.getByText("2 rows are not clear").waitFor(); // N has no sigma then
+    await page.getByRole("button", { name: "Cancel" }).click();
+    await until(page, async () => (await shown(page))[0] === "P2");
+  },
+
   async "control is legible and can be used without a mouse, light and dark"({ page, open, world, shot, judge }) {
     for (const at of [2, 3, 4]) world.edit(["mark", "P1", images[at].file, ...truePixel("P1", images[at]).map((one) => String(one + 0.06 * at)), "0.08"]);
     await open("control");

@@ -11,6 +11,9 @@ export interface Note {
   text: string;
 }
 
+/** The point that was chosen last, by project: other views are looked at meanwhile. */
+const lastChosen = new Map<string, string>();
+
 const exact = (value: number): string => String(Number(value.toFixed(4)));
 
 export class Desk {
@@ -58,7 +61,8 @@ export class Desk {
 
   async start(name: string | undefined): Promise<void> {
     await Promise.all([this.images.load(() => api.images(this.project)), this.reload(false)]);
-    const first = this.points.find((one) => one.name === name) ?? this.points[0];
+    const wanted = name ?? lastChosen.get(this.project);
+    const first = this.points.find((one) => one.name === wanted) ?? this.points[0];
     if (first) await this.choosePoint(first.name);
   }
 
@@ -85,6 +89,7 @@ export class Desk {
     if (mine !== this.#choice) return; // another one was chosen meanwhile
     this.name = name;
     if (!name) return;
+    lastChosen.set(this.project, name);
     const marked = this.point?.marks[0]?.image;
     this.chooseImage(nextPlace(this.predicted, undefined)?.image ?? marked ?? this.listed[0]?.image);
   }
@@ -212,16 +217,23 @@ export class Desk {
     return made;
   }
 
-  async undo(): Promise<void> {
-    if (!(await this.edit(["undo"]))) return;
-    await this.#loadEdits(); // what was undone is what can be made again
-    this.#say("control.undone", { what: this.edits.value?.redo ?? "" });
+  undo(): Promise<void> {
+    return this.#turnBack("undo", () => this.#say("control.undone", { what: this.edits.value?.redo ?? "" })); // what was undone is what can be made again
   }
 
-  async redo(): Promise<void> {
-    if (!(await this.edit(["redo"]))) return;
-    await this.#loadEdits();
-    this.#say("control.redone", { what: this.edits.value?.undo ?? "" });
+  redo(): Promise<void> {
+    return this.#turnBack("redo", () => this.#say("control.redone", { what: this.edits.value?.undo ?? "" }));
+  }
+
+  /** What comes behind it acts on what it left. */
+  #turnBack(word: "undo" | "redo", told: () => void): Promise<void> {
+    const done = this.#actions.then(async () => {
+      if (!(await this.edit([word], false))) return;
+      await this.reload();
+      told();
+    });
+    this.#actions = done;
+    return done;
   }
 
   #say(key: Parameters<typeof t>[0], values: Record<string, string | number>): void {
