@@ -113,7 +113,7 @@ export interface Changes {
 
 export interface MapInfo {
   crs: string | null;
-  crs_name: string;
+  crs_name: string | null;
   proj4: string | null;
   unit: string;
   bounds: [number, number, number, number] | null;

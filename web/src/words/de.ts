@@ -133,6 +133,7 @@ export const de: Record<Key, string> = {
   "map.away": "{distance} in der Lage",
   "map.east": "O",
   "map.west": "W",
+  "map.zoom_in": "Zum Sehen näher heran: diese Datei hat keine Übersichten.",
 
   // Photographs
   "photographs.title": "Bilder",

@@ -131,6 +131,7 @@ export const en = {
   "map.away": "{distance} in plan",
   "map.east": "E",
   "map.west": "W",
+  "map.zoom_in": "Zoom in to see it: this file has no overviews.",
 
   // Photographs
   "photographs.title": "Photographs",
