@@ -167,6 +167,31 @@ const tests = {
     await page.getByLabel("Opacity: Orthophoto").fill("1");
   },
 
+  async "the map is moved and zoomed by the mouse and by keys"({ page }) {
+    const scale = page.locator(".ol-scale-line-inner");
+    const readout = page.locator(".readout");
+    const box = await page.getByRole("application").boundingBox();
+    const middle = [box.x + box.width / 2, box.y + box.height / 2];
+    const changes = async (what, act) => {
+      const before = await what.innerText();
+      await act();
+      while ((await what.innerText()) === before) await page.waitForTimeout(50);
+    };
+    await page.mouse.move(...middle);
+    await changes(scale, () => page.mouse.wheel(0, -600));
+    await changes(readout, async () => {
+      await page.mouse.down();
+      await page.mouse.move(middle[0] + 150, middle[1] + 90, { steps: 5 });
+      await page.mouse.up();
+      await page.mouse.move(...middle);
+    });
+    await page.getByRole("application").focus();
+    await changes(scale, async () => {
+      for (let i = 0; i < 3; ++i) await page.keyboard.press("+");
+    });
+    await page.getByRole("button", { name: "Show all" }).click();
+  },
+
   async "the map takes up what a step made anew"({ page, second }) {
     await rail(second, "Project").click();
     await stepRow(second, "ortho").getByRole("link", { name: "ortho" }).click();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Requests to the server, one function each.
 import type {
-  Control, Edits, Images, MapInfo, MarkKind, OptionGroup, OptionValues, Place, Project, ProjectName, Refined, Residual, Settings, TiePoint, Vector2,
+  Control, Edits, Images, MapInfo, MarkKind, OptionGroup, OptionValues, Places, Project, ProjectName, Refined, Residual, Settings, TiePoint, Vector2,
 } from "./types";
 
 /** The server said no. */
@@ -47,7 +47,7 @@ export const residuals = (id: string, image: number): Promise<{ points: Residual
 export const ties = (id: string, most: number): Promise<{ points: TiePoint[] }> => ask(`${base(id)}/ties?most=${most}`);
 
 export const control = (id: string): Promise<Control> => ask(`${base(id)}/control`);
-export const places = (id: string, point: string): Promise<{ places: Place[] }> =>
+export const places = (id: string, point: string): Promise<Places> =>
   ask(`${base(id)}/control/${encodeURIComponent(point)}/places`);
 export const refine = (id: string, image: number, pixel: Vector2, kind: MarkKind): Promise<Refined> =>
   ask(`${base(id)}/refine`, { image, pixel, kind });

@@ -39,6 +39,7 @@ class Route {
 
   go(project: string, view: View, ...rest: string[]): void {
     location.hash = hashOf(project, view, ...rest);
+    this.place = parsedHash(location.hash); // the event comes later, and keys may come before it
   }
 }
 

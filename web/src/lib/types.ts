@@ -194,6 +194,28 @@ export interface Place {
   sigma_after_m: number | null;
 }
 
+/** A point from its marks in oriented photographs alone, as they are now. */
+export interface MarkedPoint {
+  position: Vector3;
+  sigma_m: Vector3;
+  difference_m: (number | null)[];
+  difference_sigma_m: (number | null)[];
+  sigma0: number | null;
+  redundancy: number;
+  /** Of column and row. */
+  marks: { image: number; residual_px: Vector2; redundancy: (number | null)[]; w: (number | null)[]; detectable_px: (number | null)[] }[];
+}
+
+export interface Places {
+  /** The one that helps most first, those that are marked last. */
+  places: Place[];
+  /** The given coordinates contradict the marks, and were not used. */
+  given_disagrees?: boolean;
+  /** Photographs whose marks contradict the others, and were not used. */
+  contradicting?: number[];
+  marked?: MarkedPoint | null;
+}
+
 export type MarkKind = "auto" | "circle" | "cross" | "chequerboard";
 
 export interface Refined {

@@ -5,6 +5,7 @@ import View from "ol/View";
 import ScaleLine from "ol/control/ScaleLine";
 import Zoom from "ol/control/Zoom";
 import { type Extent, boundingExtent, createEmpty, extend, isEmpty } from "ol/extent";
+import { defaults as interactions } from "ol/interaction/defaults";
 import type BaseLayer from "ol/layer/Base";
 import { get as projectionNamed } from "ol/proj";
 import Projection from "ol/proj/Projection";
@@ -76,6 +77,8 @@ export class Chart {
   differenceFactor = $state(0);
   sigmaRange = $state<[number, number]>([0, 1]);
   ready = $state(false);
+  /** Metres on the ground of a pixel of the screen. */
+  resolution = $state(1);
   /** What the server does not offer. */
   missing = $state.raw<("map" | "images" | "control")[]>([]);
   readonly #project: Project;
@@ -158,6 +161,11 @@ export class Chart {
     if (centre) await this.#click(centre as Vector2, undefined);
   }
 
+  /** Whether a layer shows nothing until one is nearer. */
+  isTooFar(layer: ChartLayer): boolean {
+    return layer.state === "ready" && this.resolution > (layer.layer?.getMaxResolution() ?? Infinity);
+  }
+
   highlight(image: number | undefined): void {
     const layer = this.layers.find((one) => one.name === "footprints")?.layer as ReturnType<typeof footprints> | undefined;
     layer?.getSource()?.forEachFeature((feature) => feature.set("chosen", feature.get("image") === image));
@@ -176,10 +184,12 @@ export class Chart {
   #makeMap(target: HTMLElement): void {
     this.#map = new OlMap({
       target,
+      interactions: interactions({ onFocusOnly: false, altShiftDragRotate: false, pinchRotate: false }),
       controls: [new Zoom(), new ScaleLine({ units: "metric", minWidth: 90 })],
       view: new View({ projection: this.#projection, center: [0, 0], resolution: 1, minResolution: 0.0005, maxResolution: 5000, enableRotation: false }),
     });
     this.#map.addLayer(this.#marker.layer);
+    this.#map.on("moveend", () => (this.resolution = this.#map?.getView().getResolution() ?? 1));
     this.#map.on("pointermove", (event) => {
       if (!event.dragging) void this.#under(event.coordinate as Vector2).then((under) => under && (this.cursor = under));
     });

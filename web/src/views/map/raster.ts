@@ -1,7 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// GeoTIFFs of a project, read by ranges of bytes: a few kilobytes of a file of any size. Decoded here and not in workers, whose
-// script geotiff keeps as text: the content security policy does not allow that.
-import { fromUrl, type GeoTIFFImage, type TypedArray } from "geotiff";
+// GeoTIFFs of a project, read by ranges of bytes: a few kilobytes of a file of any size. Not in workers, whose script
+// geotiff keeps as text: the content security policy does not allow that.
+import { addDecoder, BaseDecoder, fromUrl, type GeoTIFFImage, type TypedArray } from "geotiff";
+
+/** Inflates by the browser, on a thread of its own. */
+class BrowserInflate extends BaseDecoder {
+  async decodeBlock(bytes: ArrayBuffer): Promise<ArrayBuffer> {
+    return await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
+  }
+}
+addDecoder([8, 32946], async () => BrowserInflate);
 
 type TypedArrays = TypedArray[];
 
