@@ -262,7 +262,7 @@ const tests = {
   },
 
   async "what a server does not offer is said in its place"({ browser, context, project }) {
-    const apart = await browser.newContext({ viewport: sizes[0], locale: "en-GB", storageState: await context.storageState() });
+    const apart = await browser.newContext({ reducedMotion: "reduce", viewport: sizes[0], locale: "en-GB", storageState: await context.storageState() });
     await apart.route(/\/(map|images|ties|control)(\?|$)/, (route) => route.fulfill({ status: 404, json: { error: "there is nothing of this name" } }));
     const page = await apart.newPage();
     await page.goto(`${base}/#/${project.id}/map`);
@@ -327,7 +327,7 @@ mkdirSync(shots, { recursive: true });
 const browser = await startBrowser(chromium);
 let failed = 0;
 try {
-  const context = await browser.newContext({ viewport: sizes[0], locale: "en-GB" });
+  const context = await browser.newContext({ reducedMotion: "reduce", viewport: sizes[0], locale: "en-GB" });
   watch(context);
   const page = await context.newPage();
   await page.goto(server.link);

@@ -42,7 +42,7 @@ const browser = await startBrowser(chromium);
 let failed = 0;
 for (const [name, test] of Object.entries({ ...photographTests, ...controlTests })) {
   if (!name.includes(only)) continue;
-  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, locale: "en-GB" });
+  const context = await browser.newContext({ reducedMotion: "reduce", viewport: { width: 1280, height: 800 }, locale: "en-GB" });
   context.setDefaultTimeout(20_000);
   const complaints = [];
   context.on("console", (message) => {
