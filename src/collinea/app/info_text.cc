@@ -89,6 +89,7 @@ std::string info_json(const ProjectInfo& info) {
     all["control_points"] = control_points(*adjustment, info.setup);
   }
   all["steps"] = steps(info);
+  for (const Step step : info.by_another_version) all["by_another_version"].push_back(word_of(step));
   return all.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
 }
 
@@ -119,6 +120,8 @@ std::string info_text(const ProjectInfo& info) {
   for (const StepRecord& step : info.steps)
     line("step " + step.name(), fmt::format("{:8.1f} s {:8.1f} CPU-s {:6.0f} MB", step.seconds, step.cpu_seconds,
                                             step.peak_memory_bytes / 1e6));
+  for (const Step step : info.by_another_version)
+    line("step " + std::string(word_of(step)), "made by another version of collinea: run it again");
   for (const auto& findings : {orientation.findings, adjustment.findings})
     for (const Finding& finding : findings) line("note", sentence_of(finding, info.setup, flag_of));
   return text;

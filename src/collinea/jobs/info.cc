@@ -22,7 +22,15 @@ const AdjustmentRecord* ProjectInfo::adjustment() const { return record_in<Adjus
 Result<ProjectInfo> project_info(const ProjectStore& store) {
   ProjectInfo info;
   COLLINEA_TRY(info.setup, store.read_setup_for_names());
-  COLLINEA_TRY(info.steps, store.read_steps());
+  for (const Word<Step>& step : kStepWords) {
+    auto record = store.read_step(std::string(step.word));
+    if (!record && record.error().code == Errc::kUnsupported)
+      info.by_another_version.push_back(step.value);
+    else if (!record)
+      return tl::unexpected(std::move(record).error());
+    else if (*record)
+      info.steps.push_back(**std::move(record));
+  }
   return info;
 }
 

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "collinea/steps/step_list.h"
 #include "collinea/store/project_store.h"
 
 namespace collinea {
@@ -10,7 +11,8 @@ namespace collinea {
 /// What is known of a project.
 struct ProjectInfo {
   Block setup;                    ///< before orientation
-  std::vector<StepRecord> steps;  ///< those that are done, in the order in which they were
+  std::vector<StepRecord> steps;  ///< those that are done, in the order of work
+  std::vector<Step> by_another_version;  ///< done by a version of the program whose records this one cannot read
 
   /// Null: not oriented yet.
   [[nodiscard]] const OrientationRecord* orientation() const;

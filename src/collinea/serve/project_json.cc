@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/serve/project_json.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -20,6 +21,7 @@ std::string text_of(const json& value) { return value.dump(-1, ' ', false, json:
 
 json step_json(Step step, const ProjectInfo& info) {
   json one = {{"name", word_of(step)}, {"done", false}};
+  if (std::ranges::count(info.by_another_version, step)) one["by_another_version"] = true;
   for (const StepRecord& record : info.steps) {
     if (record.name() != word_of(step)) continue;
     one["done"] = true;

@@ -23,6 +23,8 @@ export interface Finding {
 export interface Step {
   name: string;
   done: boolean;
+  /** Done by a version of the program whose record this one cannot read. */
+  by_another_version?: boolean;
   seconds?: number | null;
   summary?: string;
   figures?: Record<string, unknown>;

@@ -62,6 +62,7 @@ export const de: Record<Key, string> = {
   "project.summary": "Ergebnis",
   "project.time": "Zeit",
   "project.actions": "Aktionen",
+  "project.by_another_version": "von einer anderen Version von collinea gemacht: noch einmal ausführen",
   "project.not_done": "offen",
   "project.edited": "{count} Optionen geändert",
   "project.run_here": "Bis hier rechnen",

@@ -60,6 +60,7 @@ export const en = {
   "project.summary": "What it made",
   "project.time": "Time",
   "project.actions": "Actions",
+  "project.by_another_version": "made by another version of collinea: run it again",
   "project.not_done": "not done",
   "project.edited": "{count} options edited",
   "project.run_here": "Run to here",
