@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "collinea/adjust/bundle.h"
+#include "collinea/adjust/reduced_system.h"
 #include "collinea/block/survey_covariance.h"
 #include "collinea/epipolar/intersect.h"
 #include "collinea/math/quantiles.h"
@@ -144,7 +145,7 @@ void compare(const SurveyedPosition& surveyed, const Matrix3d& cofactor, bool ta
 
 struct MarkedBlock::State {
   Block block;
-  std::optional<Solved> solved;
+  std::optional<bundle::ReducedSystem> system;
   std::optional<CovarianceOfImages> covariance;
   std::map<ImageId, std::uint32_t> numbers;  // of its images in the problem
   double sigma0 = 1;
@@ -161,14 +162,18 @@ const Block& MarkedBlock::block() const { return state_->block; }
 Result<MarkedBlock> MarkedBlock::of(Block block, const AdjustScope& scope, const AdjustOptions& options,
                                     BlockControl control, const Run& run) {
   auto state = std::make_unique<State>();
+  const AdjustScope as_given = with_first_cameras(scope, block.cameras);
+  COLLINEA_TRY(const Adjusted adjusted, collinea::adjust(block, as_given, options, run));
+  apply(adjusted, block);
+  state->sigma0 = sigma_scale(adjusted);
   state->block = std::move(block);
   if (control == BlockControl::kLeftOut) {
     state->block.control.clear();
     state->block.control_observations.clear();
     state->block.geodetic.clear();
   }
-  COLLINEA_TRY(Solved solved, solve_bundle(state->block, scope, options, run));
-  const bundle::Problem& problem = solved.problem();
+  COLLINEA_TRY(state->system, bundle::reduced_system(state->block, as_given, options, run));
+  const bundle::Problem& problem = *state->system->problem;
   for (const bundle::ProblemCamera& camera : problem.cameras)
     if (camera.is_of_film()) return fail(Errc::kUnsupported, "scans of film have to be adjusted with their marks");
   if (problem.rank_defect > 0) {
@@ -176,24 +181,18 @@ Result<MarkedBlock> MarkedBlock::of(Block block, const AdjustScope& scope, const
       return fail(Errc::kUnsupported, "a part of the block has no datum of its own: adjust it with its control");
     state->motion = BlockMotion{{}, problem.datum.front().centre, problem.datum.front().size};
   }
-  auto [factor, failed_row] = solved.factor(run);
-  if (run.stopped()) return fail(Errc::kCancelled, "bundle adjustment stopped");
-  if (!factor) return fail(Errc::kIllPosed, "images of the block are not determined: adjust it to see which");
-  state->covariance.emplace(6 * problem.poses + problem.global_count, *std::move(factor));
+  state->covariance.emplace(6 * problem.poses + problem.global_count, std::move(state->system->factor));
   state->numbers = image_numbers(problem);
-  state->sigma0 = sigma_scale(solved.estimate());
-  apply(solved.take_estimate(), state->block);
-  state->solved.emplace(std::move(solved));
   return MarkedBlock(std::move(state));
 }
 
 namespace {
 
-std::optional<MarkSolution> solved_marks(const Solved& solved, std::span<const Taken> taken,
+std::optional<MarkSolution> solved_marks(const bundle::ReducedSystem& system, std::span<const Taken> taken,
                                          CovarianceOfImages& covariance, const std::optional<BlockMotion>& motion) {
   std::vector<MarkPoint> points;
   for (const Taken& one : taken) points.push_back(one.point);
-  return bundle::solve_marks(solved.problem(), solved.state(), points, covariance, motion);
+  return bundle::solve_marks(*system.problem, system.state, points, covariance, system.step, motion);
 }
 
 // Of a block that is not placed: coordinates say nothing of it.
@@ -227,16 +226,16 @@ Result<AdjustedMarks> MarkedBlock::adjust(std::span<const BlockPoint> points, co
     one->number = i;
     taken.push_back(*std::move(one));
   }
-  auto solution = solved_marks(*state.solved, taken, *state.covariance, state.motion);
+  auto solution = solved_marks(*state.system, taken, *state.covariance, state.motion);
   if (!solution && state.motion) {
     out.placed = false;
     forget_coordinates(taken);
-    solution = solved_marks(*state.solved, taken, *state.covariance, std::nullopt);
+    solution = solved_marks(*state.system, taken, *state.covariance, std::nullopt);
   }
   if (!solution) return fail(Errc::kIllPosed, "the marks of a point do not determine it");
   out.converged = solution->converged;
   out.covariance_m2 = state.sigma0 * state.sigma0 * solution->cofactor;
-  take_images(*solution, state.solved->problem(), out);
+  take_images(*solution, *state.system->problem, out);
   const double delta0 = detectable_shift(test);
   Index row = 0;
   for (std::size_t p = 0; p < taken.size(); ++p) {

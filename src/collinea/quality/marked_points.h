@@ -83,9 +83,9 @@ enum class BlockControl : std::uint8_t {
 /// The adjustment of an oriented block with points that a person marks, brought up to date in milliseconds after each
 /// mark.
 ///
-/// Model. The block is adjusted once without these points. Of what it then knows of the unknowns u of images and
-/// cameras (covariance Q of those that have marks), marks l with their sigmas, and coordinates where control was
-/// surveyed, follow
+/// Model. The block is adjusted once with the control that it has, and linearised there without it. Of what it then
+/// knows of the unknowns u of images and cameras (covariance Q of those that have marks), marks l with their sigmas,
+/// and coordinates where control was surveyed, follow
 ///
 ///     l + v = f(u, x),    S = P^-1 + A Q A',    dx = (B' S^-1 B + P_x)^-1 (B' S^-1 w + P_x w_x),    du = Q A' S^-1 (w
 ///     - B dx)

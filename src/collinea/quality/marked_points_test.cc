@@ -92,6 +92,10 @@ TEST(MarkedBlock, IsTheAdjustmentOfEverythingTogether) {
   for (auto& [id, point] : block.control) point.role = ControlRole::kControl;
   expect_as_together(block, Calibration::kNone);
   expect_as_together(block, Calibration::kFocalRadial);
+  // Positions that know little: without its control the block would lie metres away, where equations are others.
+  Block loose = test_block(small_block(3, 3.0));
+  for (auto& [id, point] : loose.control) point.role = ControlRole::kControl;
+  expect_as_together(loose, Calibration::kNone);
 }
 
 TEST(MarkedBlock, CheckPointsMoveNothing) {

@@ -7,9 +7,12 @@
 
 #include "collinea/base/test_folder.h"
 #include "collinea/block/world_frame.h"
+#include "collinea/edit/make_edits.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/project/settings.h"
 #include "collinea/raster/image_file.h"
+#include "collinea/steps/flow.h"
+#include "collinea/steps/test_project.h"
 
 namespace collinea {
 namespace {
@@ -161,6 +164,57 @@ TEST_F(ControlJsonTest, RefiningRefusesWhatItCannotUse) {
     EXPECT_FALSE(answer) << body;
     EXPECT_TRUE(answer.error().code == Errc::kBadInput || answer.error().code == Errc::kNotFound) << body;
   }
+}
+
+// A point as the whole block has it is what the adjustment made of it (which iterates its tie points, too: 5 % of a
+// sigma); a mark that is moved shows at once, and the block is not read again for it.
+TEST(ControlJson, TheWholeBlockSaysAfterEachMarkWhatTheAdjustmentWould) {
+  const TestFolder folder;
+  const std::filesystem::path path = folder / "block";
+  {
+    auto project = open_small_survey(path);
+    ASSERT_TRUE(project) << project.error().message;
+    ASSERT_TRUE(bring_up_to(*project, Step::kAdjust));
+  }
+  ProjectViews views;
+  const auto view = [&] { return *views.of({"1", "block", path}); };
+  const auto in_block = [&](const std::string& name) {
+    return json::parse(*predicted_marks_json(*view(), name)).at("in_block");
+  };
+  const auto before = view();
+  ASSERT_TRUE(before->adjustment);
+  int compared = 0;
+  for (const ControlDifference& one : before->adjustment->control) {
+    if (!one.used) continue;
+    const json found = in_block(before->control.at(one.point).name);
+    ASSERT_FALSE(found.is_null());
+    for (int axis = 0; axis < 3; ++axis) {
+      const double sigma = one.difference_sigma_m[axis];
+      EXPECT_NEAR(found.at("difference_m").at(axis).get<double>(), one.difference_m[axis], 0.05 * sigma);
+      EXPECT_NEAR(found.at("difference_sigma_m").at(axis).get<double>(), sigma, 0.05 * sigma);
+      ++compared;
+    }
+  }
+  EXPECT_GE(compared, 9);
+  const ControlObservation mark = before->marks.front();
+  const std::string point = before->control.at(mark.point).name, image = before->block.images.at(mark.image).file;
+  const auto test_of_mark = [&] {
+    const json found = in_block(point);
+    for (const json& one : found.at("marks"))
+      if (one.at("image") == mark.image.value) return one.at("w").at(0).get<double>();
+    return 0.0;
+  };
+  const double w = test_of_mark();
+  const auto ties = view()->ties();
+  Journal journal(path);
+  const auto edit = parse_edit(std::vector<std::string>{"mark", point, image, std::to_string(mark.pixel.x() + 20),
+                                                        std::to_string(mark.pixel.y()), "0.5"});
+  ASSERT_TRUE(edit) << edit.error().message;
+  const auto made = make_edits(path, journal, std::vector{*edit});
+  ASSERT_TRUE(made) << made.error().message;
+  EXPECT_NE(view(), before);
+  EXPECT_EQ(*view()->ties(), *ties);
+  EXPECT_GT(std::abs(test_of_mark()), std::abs(w) + 5);
 }
 
 // Projects without anything in them answer, too.

@@ -66,6 +66,34 @@ json marked_json(const ProjectView& view, const PredictedMarks& found, const Con
           {"marks", marks}};
 }
 
+// The point as the whole block with all marks has it; null where it has not.
+json in_block_json(const ProjectView& view, ControlId id, const std::vector<ControlObservation>& marks) {
+  const auto adjusted = view.adjusted_with_marks();
+  if (!adjusted) return nullptr;
+  const auto number_of_point = std::distance(view.control.begin(), view.control.find(id));
+  const AdjustedMark& point = adjusted->points[std::size_t(number_of_point)];
+  if (!point.position_in_world) return nullptr;
+  const Matrix3d turn = view.map_from_world();
+  json list = json::array();
+  for (std::size_t i = 0; i < marks.size() && i < point.marks.size(); ++i) {
+    const BlockMarkTest& test = point.marks[i];
+    list.push_back({{"image", marks[i].image.value},
+                    {"residual_px", pair(test.residual_px)},
+                    {"redundancy", pair(test.redundancy)},
+                    {"w", pair(test.w)},
+                    {"detectable_px", pair(test.minimal_detectable_bias_px)}});
+  }
+  const auto differences = [&](const Vector3d& values) {
+    return adjusted->placed ? vector(values) : json::array({nullptr, nullptr, nullptr});
+  };
+  return {{"position", vector(view.in_map(*point.position_in_world))},
+          {"sigma_m", vector(Vector3d((turn * point.covariance_m2 * turn.transpose()).diagonal().cwiseSqrt()))},
+          {"difference_m", differences(point.difference_m)},
+          {"difference_sigma_m", differences(point.difference_sigma_m)},
+          {"sigma0", number(adjusted->sigma0)},
+          {"marks", list}};
+}
+
 Result<ControlId> point_named(const ProjectView& view, const std::string& name) {
   for (const auto& [id, point] : view.control)
     if (point.name == name) return id;
@@ -125,7 +153,8 @@ Result<std::string> predicted_marks_json(const ProjectView& view, const std::str
   return text_of({{"places", list},
                   {"given_disagrees", found.given_disagrees},
                   {"contradicting", contradicting},
-                  {"marked", marked_json(view, found, given)}});
+                  {"marked", marked_json(view, found, given)},
+                  {"in_block", in_block_json(view, id, marks)}});
 }
 
 Result<std::string> refined_json(const ProjectView& view, std::string_view body) {

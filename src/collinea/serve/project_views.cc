@@ -7,10 +7,9 @@
 #include "collinea/base/file.h"
 #include "collinea/base/hash.h"
 #include "collinea/block/world_frame.h"
-#include "collinea/marking/marking_block.h"
-#include "collinea/math/median.h"
 #include "collinea/project/project.h"
 #include "collinea/report/adjustment_report.h"
+#include "collinea/steps/step_list.h"
 
 namespace collinea {
 namespace {
@@ -38,6 +37,20 @@ Result<std::optional<Record>> record_of(const ProjectStore& store) {
   return tl::unexpected(std::move(record).error());
 }
 
+// Of the steps that write the block; empty where none did.
+Result<std::string> block_state_of(const ProjectStore& store) {
+  Hash hash;
+  bool is_written = false;
+  for (const Step step : {Step::kOrient, Step::kAdjust}) {
+    auto record = store.read_step(std::string(word_of(step)));
+    if (!record && record.error().code != Errc::kUnsupported) return tl::unexpected(std::move(record).error());
+    if (!record || !*record) continue;
+    is_written = true;
+    hash.add((*record)->inputs_hash).add((*record)->output_hash);
+  }
+  return is_written ? hash.hex() : std::string();
+}
+
 double value_in(const nlohmann::json& one, const char* name) {
   const auto found = one.find(name);
   return found != one.end() && found->is_number() ? found->get<double>() : std::numeric_limits<double>::quiet_NaN();
@@ -45,10 +58,12 @@ double value_in(const nlohmann::json& one, const char* name) {
 
 }  // namespace
 
-Result<std::shared_ptr<const ProjectView>> ProjectView::read(const ServedProject& project, std::string state) {
+Result<std::shared_ptr<const ProjectView>> ProjectView::read(const ServedProject& project, std::string state,
+                                                             const ProjectView* before) {
   auto view = std::make_shared<ProjectView>();
   view->project = project;
   view->state = std::move(state);
+  view->held_ = std::make_shared<HeldBlock>(project.folder);
   const auto opened = open_project(project.folder, {});
   if (!opened && opened.error().code == Errc::kNotFound) return view;  // it was only made
   if (!opened) return tl::unexpected(opened.error());
@@ -60,6 +75,8 @@ Result<std::shared_ptr<const ProjectView>> ProjectView::read(const ServedProject
   COLLINEA_TRY(view->frame, world_frame(view->block));
   COLLINEA_TRY(view->orientation, record_of<OrientationRecord>(opened->store));
   COLLINEA_TRY(view->adjustment, record_of<AdjustmentRecord>(opened->store));
+  COLLINEA_TRY(view->held_state_, block_state_of(opened->store));
+  if (before && !view->held_state_.empty() && before->held_state_ == view->held_state_) view->held_ = before->held_;
   if (view->frame)
     view->map_from_world_ = map_from_local_rotation(*view->frame, Eigen::Vector3d::Zero()).toRotationMatrix();
   if (view->adjustment) view->read_tests();
@@ -109,39 +126,21 @@ Eigen::Vector3d ProjectView::in_map(const Eigen::Vector3d& position_in_world) co
   return frame ? frame->map_from_local(position_in_world) : position_in_world;
 }
 
-Result<std::shared_ptr<const TiedBlock>> ProjectView::ties() const {
-  const std::lock_guard lock(mutex_);
-  if (ties_) return ties_;
-  auto view = std::make_shared<TiedBlock>();
-  if (!block.images.empty()) {
-    COLLINEA_TRY(const ProjectStore store, ProjectStore::open_to_read(project.folder));
-    COLLINEA_TRY(view->block, store.read_block());
-    COLLINEA_TRY(view->covariances, store.read_covariances());
-    if (view->covariances.points.size() != view->block.points.size()) view->covariances.points.clear();
-  }
-  std::map<ImageId, std::vector<double>> heights;
-  view->observations = observations_by_image(view->block);
-  for (const Observation& seen : view->block.observations)
-    if (const auto point = view->block.points.find(seen.point); point != view->block.points.end())
-      heights[seen.image].push_back(point->second.position_in_world.z());
-  for (auto& [image, all] : heights) view->ground_height[image] = median(all);
-  ties_ = std::move(view);
-  return ties_;
-}
-
 Result<std::shared_ptr<const ProjectView>> ProjectViews::of(const ServedProject& project) {
   const std::lock_guard lock(mutex_);
   std::string state = state_of(project.folder);
+  std::shared_ptr<const ProjectView> before;
   for (auto known = views_.begin(); known != views_.end(); ++known) {
     if ((*known)->project.id != project.id) continue;
     if ((*known)->state == state) {
       views_.splice(views_.begin(), views_, known);
       return views_.front();
     }
+    before = *known;
     views_.erase(known);
     break;
   }
-  COLLINEA_TRY(auto view, ProjectView::read(project, std::move(state)));
+  COLLINEA_TRY(auto view, ProjectView::read(project, std::move(state), before.get()));
   views_.push_front(view);
   if (views_.size() > kMost) views_.pop_back();
   return view;

@@ -15,6 +15,7 @@
 #include "collinea/block/block.h"
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/raster/tile_cache.h"
+#include "collinea/serve/held_block.h"
 #include "collinea/serve/project_files.h"
 #include "collinea/store/project_store.h"
 
@@ -25,17 +26,9 @@ struct MarkTests {
   Eigen::Vector2d residual_px, w, redundancy, detectable_px;  ///< NaN, or infinite: not known
 };
 
-/// A block with all its tie points.
-struct TiedBlock {
-  Block block;
-  BlockCovariances covariances;                              ///< empty: not known
-  std::map<ImageId, std::vector<std::size_t>> observations;  ///< of each image, indices in Block::observations
-  /// Median height of the tie points that each image sees, in the world.
-  std::map<ImageId, double> ground_height;
-};
-
-/// What is known of a project in one state of its files. Nothing of it changes, so that several threads may look; tie
-/// points are read when they are first asked for.
+/// What is known of a project in one state of its files. Nothing of it changes, so that several threads may look; what
+/// is dear to have (HeldBlock) is made when it is first asked for, and goes on from state to state until the block is
+/// oriented or adjusted anew.
 class ProjectView {
  public:
   ServedProject project;
@@ -49,7 +42,10 @@ class ProjectView {
   std::optional<AdjustmentRecord> adjustment;
 
   /// Errors: those of ProjectStore::read_block().
-  [[nodiscard]] Result<std::shared_ptr<const TiedBlock>> ties() const;
+  [[nodiscard]] Result<std::shared_ptr<const TiedBlock>> ties() const { return held_->ties(); }
+  /// All control points with their marks, as they are now, adjusted with the whole block; parallel to `control`.
+  /// Errors: those of HeldBlock.
+  [[nodiscard]] Result<AdjustedMarks> adjusted_with_marks() const { return held_->adjusted_with(control, marks); }
 
   /// The tests that the adjustment left of a mark; nothing when it took no part, or has been moved since.
   [[nodiscard]] std::optional<MarkTests> tests_of(const ControlObservation& mark) const;
@@ -59,16 +55,18 @@ class ProjectView {
   /// From the axes of the world to those of the map, in the middle of the block.
   [[nodiscard]] Eigen::Matrix3d map_from_world() const { return map_from_world_; }
 
-  /// What adjustment and settings say of the project as it is now. Errors: settings or database cannot be read.
-  static Result<std::shared_ptr<const ProjectView>> read(const ServedProject& project, std::string state);
+  /// What adjustment and settings say of the project as it is now. `before`: what was known of it, or null. Errors:
+  /// settings or database cannot be read.
+  static Result<std::shared_ptr<const ProjectView>> read(const ServedProject& project, std::string state,
+                                                         const ProjectView* before);
 
  private:
   void read_tests();
 
   Eigen::Matrix3d map_from_world_ = Eigen::Matrix3d::Identity();
   std::map<std::pair<ControlId, ImageId>, MarkTests> tests_;
-  mutable std::mutex mutex_;
-  mutable std::shared_ptr<const TiedBlock> ties_;
+  std::string held_state_;  // of the block: steps that wrote it; empty: not by a step
+  std::shared_ptr<HeldBlock> held_;
 };
 
 /// What a server remembers of its projects, so that not every request reads a database: the last few of them, each as

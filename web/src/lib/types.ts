@@ -216,6 +216,8 @@ export interface Places {
   /** Photographs whose marks contradict the others, and were not used. */
   contradicting?: number[];
   marked?: MarkedPoint | null;
+  /** The point as the whole block has it with all marks as they are now; differences are residuals of control. */
+  in_block?: Omit<MarkedPoint, "redundancy"> | null;
 }
 
 export type MarkKind = "auto" | "circle" | "cross" | "chequerboard";

@@ -63,10 +63,11 @@ class MovedImages {
   MovedImages(const Problem& problem, const State& state, const Involved& involved,
               const std::optional<BlockMotion>& motion)
       : problem_(problem), state_(state), involved_(involved), motion_(motion) {
-    images = VectorXd::Zero(static_cast<Index>(involved.rows().size()));
+    images = expected = VectorXd::Zero(static_cast<Index>(involved.rows().size()));
   }
 
   VectorXd images;                  // by how much
+  VectorXd expected;                // without the marks
   Vector7 whole = Vector7::Zero();  // and the block
   [[nodiscard]] Index motions() const { return motion_ ? 7 : 0; }
 
@@ -183,7 +184,8 @@ class MarkAdjustment {
       if (!reduce()) return false;
       const VectorXd step = inverse_ * right_;
       if (!step.allFinite()) return false;
-      const VectorXd moved = cofactor_ * (by_images_.transpose() * weights_.solve(misclosure_ - by_unknowns_ * step));
+      const VectorXd moved =
+          images_.expected + cofactor_ * (by_images_.transpose() * weights_.solve(misclosure_ - by_unknowns_ * step));
       converged_ = step.dot(normals_ * step) < kSettled && moved_by(moved - images_.images) < kSettled;
       unknowns_ += step;
       images_.images = moved;
@@ -198,7 +200,7 @@ class MarkAdjustment {
     const auto count = static_cast<Index>(3 * points_.size());
     return inverse_.topLeftCorner(count, count);
   }
-  [[nodiscard]] VectorXd residuals() const { return misclosure_ - by_images_ * images_.images; }
+  [[nodiscard]] VectorXd residuals() const { return misclosure_ - by_images_ * (images_.images - images_.expected); }
   [[nodiscard]] VectorXd redundancy() const {
     const MatrixXd weighted = weights_.solve(by_unknowns_);
     const MatrixXd weights = weights_.solve(MatrixXd::Identity(misclosure_.size(), misclosure_.size()));
@@ -237,8 +239,8 @@ class MarkAdjustment {
     Index ray = 0;
     for (Index p = 0; p < count; ++p)
       for (const Ray& one : points_[std::size_t(p)]->rays) now.add(ray++, p, one, position(std::size_t(p)), images_);
-    // As if the images were where they began: what they moved by is an observation, not a new beginning.
-    misclosure_ = now.misclosure + now.by_images * images_.images;
+    // As if the images were where they are expected: that is an observation, not a new beginning.
+    misclosure_ = now.misclosure + now.by_images * (images_.images - images_.expected);
     by_images_ = std::move(now.by_images);
     by_unknowns_.resize(2 * rays_, 3 * count + images_.motions());
     by_unknowns_ << now.by_points, now.by_whole;
@@ -331,10 +333,14 @@ class SeenPoint {
 }  // namespace
 
 std::optional<MarkSolution> solve_marks(const Problem& problem, const State& state, std::span<const MarkPoint> points,
-                                        CovarianceOfImages& covariance, const std::optional<BlockMotion>& motion) {
+                                        CovarianceOfImages& covariance, std::span<const double> step,
+                                        const std::optional<BlockMotion>& motion) {
   const Involved involved(problem, points);
   const MatrixXd cofactor = covariance.of(involved.rows());
   MovedImages images(problem, state, involved, motion);
+  for (std::size_t i = 0; i < involved.rows().size(); ++i)
+    images.expected[Index(i)] = step[std::size_t(involved.rows()[i])];
+  images.images = images.expected;
   MarkAdjustment together(points, cofactor, images);
   const bool has_some = std::ranges::any_of(points, &MarkPoint::takes_part);
   if (has_some ? !together.solve() : motion.has_value()) return std::nullopt;

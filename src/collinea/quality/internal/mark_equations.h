@@ -34,11 +34,13 @@ struct MarkSolution {
   bool converged = false;
 };
 
-/// Adjusts points with rays in images whose unknowns have a covariance (see MarkedBlock). `motion`: of a block that
+/// Adjusts points with rays in images whose unknowns have a covariance (see MarkedBlock). `step`: by how much all
+/// reduced unknowns would move without the marks, from where `state` has them. `motion`: of a block that
 /// nothing fixes, whose seven motions are unknowns, too. Nothing when something is not determined: rays that do not
 /// meet, or too little given to place the block.
 [[nodiscard]] std::optional<MarkSolution> solve_marks(const Problem& problem, const State& state,
                                                       std::span<const MarkPoint> points, CovarianceOfImages& covariance,
+                                                      std::span<const double> step,
                                                       const std::optional<BlockMotion>& motion);
 
 }  // namespace collinea::bundle

@@ -91,8 +91,8 @@ export interface MarkTests {
   detectable_px: number | null;
 }
 
-/** Of the point's marks as they are now where there are enough; else what the adjustment said. */
-export function testsOf(point: ControlPoint, image: number, marked: MarkedPoint | null | undefined): MarkTests {
+/** Of the marks as they are now, in the whole block or, without that, among those of the point; else what the adjustment said. */
+export function testsOf(point: ControlPoint, image: number, marked: Pick<MarkedPoint, "marks"> | null | undefined): MarkTests {
   const now = marked?.marks.find((one) => one.image === image);
   if (now) {
     const [redundancy] = now.redundancy.filter((one) => typeof one === "number").sort((a, b) => (a ?? 0) - (b ?? 0));

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "collinea/base/result.h"
+#include "collinea/block/block.h"
+#include "collinea/quality/marked_points.h"
+#include "collinea/quality/variance_components.h"
+#include "collinea/store/project_store.h"
+
+namespace collinea {
+
+/// A block with all its tie points.
+struct TiedBlock {
+  Block block;
+  BlockCovariances covariances;                              ///< empty: not known
+  std::map<ImageId, std::vector<std::size_t>> observations;  ///< of each image, indices in Block::observations
+  /// Median height of the tie points that each image sees, in the world.
+  std::map<ImageId, double> ground_height;
+};
+
+/// What follows from the oriented block of a project alone, whatever is edited: made when it is first asked for, and
+/// kept. May be used from several threads.
+class HeldBlock {
+ public:
+  /// Larger blocks are not adjusted with marks while somebody waits.
+  static constexpr std::size_t kMostImages = 3000;
+
+  explicit HeldBlock(std::filesystem::path project) : project_(std::move(project)) {}
+
+  /// Errors: those of ProjectStore::read_block().
+  [[nodiscard]] Result<std::shared_ptr<const TiedBlock>> ties();
+  /// Control points with the marks that they have now, adjusted with the whole block (MarkedBlock), their standard
+  /// deviations as the adjustment takes them; parallel to `control`. Seconds the first time, then milliseconds. Errors:
+  /// not oriented, more than kMostImages; those of MarkedBlock.
+  [[nodiscard]] Result<AdjustedMarks> adjusted_with(const std::map<ControlId, ControlPoint>& control,
+                                                    const std::vector<ControlObservation>& marks);
+
+ private:
+  std::filesystem::path project_;
+  std::mutex ties_mutex_, marked_mutex_;
+  std::shared_ptr<const TiedBlock> ties_;
+  struct Marked {
+    MarkedBlock block;
+    SigmaFactors factors;
+  };
+  static Result<Marked> read_marked(const std::filesystem::path& project);
+  std::optional<Result<Marked>> marked_;  // an error is not tried again
+};
+
+}  // namespace collinea
