@@ -29,5 +29,5 @@ echo "Made in $(since): point cloud, surface and terrain models, contours and an
 echo "Position: $(first 'check points') points that took no part are off by $(centimetres "$(figure 'check points' 3D)") (root mean square, in space); a pixel is 5 cm."
 echo "Heights: the surface model is off by $(centimetres "$(figure 'surface model, smooth ground' NMAD)") on open ground, and covers $(first 'surface model, completeness') % of what was photographed."
 echo "Orthophoto: shifted by $(figure 'orthophoto, local shift' median) pixels (median over the map)."
-echo "Look at it: xdg-open $out/project/report/report.html (any browser); products: $out/project/products (QGIS, CloudCompare)."
+echo "Look at it: $collinea serve $out/project --open, or xdg-open $out/project/report/report.html; products: $out/project/products (QGIS, CloudCompare)."
 echo "All figures: $out/assessment.txt, made by collinea assess. Your own photographs: collinea run PHOTOS -o PROJECT"

@@ -7,13 +7,6 @@
 #include "collinea/adjust/internal/normals.h"
 
 namespace collinea::bundle {
-namespace {
-
-constexpr double kDatumStiffness = 1e6;  // the datum constraints count as exact
-constexpr double kLeastPivot = 1e-13;    // of its diagonal element: rounding leaves no more
-
-}  // namespace
-
 Result<ReducedSystem> reduced_system(const Block& block, const AdjustScope& scope, const AdjustOptions& options,
                                      const Run& run) {
   COLLINEA_TRY(ProblemAndStart gathered, gather(block, scope, options));
@@ -22,7 +15,7 @@ Result<ReducedSystem> reduced_system(const Block& block, const AdjustScope& scop
   kept.meet(*problem);
   Normals normals(*problem, kept);
   Step step;
-  normals.accumulate(gathered.start, 0, run, kDatumStiffness);
+  normals.accumulate(gathered.start, 0, run, kExactDatum);
   const bool is_solved = normals.solve(run, step);
   int failed_row = -1;
   auto factor = normals.factor(run, kLeastPivot, failed_row);

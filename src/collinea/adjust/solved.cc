@@ -7,13 +7,6 @@
 #include "collinea/adjust/internal/normals.h"
 
 namespace collinea {
-namespace {
-
-constexpr double kDatumStiffness = 1e6;  // the datum constraints count as exact
-constexpr double kLeastPivot = 1e-13;    // of its diagonal element: rounding leaves no more
-
-}  // namespace
-
 Solved::Solved(const Block& block, std::unique_ptr<const bundle::Problem> problem, bundle::State state,
                std::shared_ptr<bundle::KeptFactor> kept, std::unique_ptr<bundle::Normals> normals, Adjusted estimate)
     : block_(&block),
@@ -29,14 +22,14 @@ Solved& Solved::operator=(Solved&&) noexcept = default;
 
 Solved::Factored Solved::factor(const Run& run) {
   Factored result;
-  normals_->accumulate(state_, 0, run, kDatumStiffness);
-  result.factor = normals_->factor(run, kLeastPivot, result.failed_row);
+  normals_->accumulate(state_, 0, run, bundle::kExactDatum);
+  result.factor = normals_->factor(run, bundle::kLeastPivot, result.failed_row);
   return result;
 }
 
 Solved::Factored Solved::factor_stiffened(double part, const Run& run) {
   Factored result;
-  const double cost = normals_->accumulate(state_, part, run, kDatumStiffness);
+  const double cost = normals_->accumulate(state_, part, run, bundle::kExactDatum);
   result.factor = normals_->factor(run, 0, result.failed_row);
   if (!std::isfinite(cost)) result.factor.reset();
   return result;

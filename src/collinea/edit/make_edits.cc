@@ -77,28 +77,32 @@ Result<EditsMade> make_edits(const std::filesystem::path& project, Journal& jour
   return done;
 }
 
+namespace {
+
+// What is in force of a journal as it is when the database is written; `all` outlives it.
+EditControl control_in_force(Journal& journal, EditsInForce& all) {
+  return [&](const EditableSetup& setup) -> Result<EditedControl> {
+    COLLINEA_TRY(journal.refresh());
+    all = edits_in_force(setup, journal.history());
+    return all.edited;
+  };
+}
+
+}  // namespace
+
 Result<std::vector<UnfitEdit>> apply_edits(ProjectStore& store, Journal& journal) {
   COLLINEA_TRY(const std::uint64_t last, store.last_edit());
   COLLINEA_TRY(journal.refresh());  // behind what the store holds, which is appended before
   EditsInForce all;
   if (last == journal.number()) return all.unfit;
-  COLLINEA_TRY(store.edit_setup([&](const EditableSetup& setup) -> Result<EditedControl> {
-    COLLINEA_TRY(journal.refresh());
-    all = edits_in_force(setup, journal.history());
-    return all.edited;
-  }));
+  COLLINEA_TRY(store.edit_setup(control_in_force(journal, all)));
   return all.unfit;
 }
 
 Result<std::vector<UnfitEdit>> write_setup_with_edits(ProjectStore& store, const Block& setup, Journal& journal) {
   COLLINEA_TRY(journal.refresh());
   EditsInForce all;
-  const auto edit = [&](const EditableSetup& imported) -> Result<EditedControl> {
-    COLLINEA_TRY(journal.refresh());
-    all = edits_in_force(imported, journal.history());
-    return all.edited;
-  };
-  COLLINEA_TRY(store.write_setup(setup, journal.number() > 0 ? EditControl(edit) : EditControl()));
+  COLLINEA_TRY(store.write_setup(setup, journal.number() > 0 ? control_in_force(journal, all) : EditControl()));
   return all.unfit;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "collinea/adjust/bundle.h"
 #include "collinea/adjust/reduced_system.h"
@@ -201,15 +202,6 @@ void forget_coordinates(std::vector<Taken>& taken) {
   for (Taken& one : taken) one.point.weight.setZero();
 }
 
-void take_images(const MarkSolution& solution, const bundle::Problem& problem, AdjustedMarks& out) {
-  for (const auto& [image, frame] : solution.frames) {
-    const auto rows = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(frame.data());
-    const Eigen::Quaterniond rotation(Matrix3d{rows});
-    const Vector3d centre(frame[9], frame[10], frame[11]);
-    out.cam_from_world[problem.images[image].id] = {rotation, -(rotation * centre)};
-  }
-}
-
 }  // namespace
 
 Result<AdjustedMarks> MarkedBlock::adjust(std::span<const BlockPoint> points, const TestOptions& test) {
@@ -235,7 +227,6 @@ Result<AdjustedMarks> MarkedBlock::adjust(std::span<const BlockPoint> points, co
   if (!solution) return fail(Errc::kIllPosed, "the marks of a point do not determine it");
   out.converged = solution->converged;
   out.covariance_m2 = state.sigma0 * state.sigma0 * solution->cofactor;
-  take_images(*solution, *state.system->problem, out);
   const double delta0 = detectable_shift(test);
   Index row = 0;
   for (std::size_t p = 0; p < taken.size(); ++p) {

@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <limits>
-#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -67,8 +66,7 @@ struct AdjustedMark {
 struct AdjustedMarks {
   std::vector<AdjustedMark> points;  ///< parallel to what was given
   Eigen::MatrixXd covariance_m2;     ///< of all points that have a position together, but for check points; 3 rows each
-  std::map<ImageId, Rigid3> cam_from_world;  ///< of the images with marks, as the marks leave them
-  double sigma0 = 1;                         ///< of the block without the marks; its square is in the covariances
+  double sigma0 = 1;                 ///< of the block without the marks; its square is in the covariances
   bool placed = true;  ///< false: nothing fixes the block, and there is too little control to place it; its own datum
                        ///< holds, and coordinates are only compared
   bool converged = false;

@@ -9,6 +9,9 @@
 
 namespace collinea::bundle {
 
+inline constexpr double kExactDatum = 1e6;    ///< stiffness with which the constraints of the datum count as exact
+inline constexpr double kLeastPivot = 1e-13;  ///< of its diagonal element: rounding leaves no more
+
 /// The reduced normal equations of poses and cameras (points eliminated). Behind the cameras among the global
 /// parameters, whose rows are full, come other unknowns and the points that measurements join to each other. Work is
 /// cut into batches of points that stay in the cache; within a batch first every point, then every row of tiles is one

@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "collinea/adjust/kind_image_point.h"
@@ -379,7 +380,6 @@ std::optional<MarkSolution> solve_marks(const Problem& problem, const State& sta
       out.residual_sigmas.segment(row, rows) = seen.residual_sigmas;
     }
     row += rows;
-    for (const Ray& ray : point.rays) out.frames.try_emplace(ray.image, images.frame(ray.image));
   }
   return out;
 }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <map>
 #include <optional>
 #include <span>
 #include <vector>
@@ -30,7 +29,6 @@ struct MarkSolution {
   /// Of each ray, 2 rows, in the order of points and rays: marked minus adjusted in sigmas, the part of a blunder that
   /// shows in it, and its own standard deviation.
   Eigen::VectorXd residuals, redundancy, residual_sigmas;
-  std::map<std::uint32_t, Frame> frames;  ///< of the images with rays, by their index in the problem
   bool converged = false;
 };
 
