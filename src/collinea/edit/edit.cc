@@ -20,7 +20,7 @@ void for_each_kind(Visit&& visit) {
 
 template <class Kind>
 Result<Edit> parsed(std::span<const std::string> words) {
-  if constexpr (EditsPoint<Kind>) {
+  if constexpr (requires { Kind::parse(words); }) {
     return Kind::parse(words).map([](Kind kind) { return Edit(std::move(kind)); });
   } else {
     if (!words.empty()) return wrong_form(Kind::kForm);
@@ -56,6 +56,10 @@ std::vector<std::string> words_of(const Edit& edit) {
         return words;
       },
       edit);
+}
+
+bool is_of_history(const Edit& edit) {
+  return std::holds_alternative<Undo>(edit) || std::holds_alternative<Redo>(edit);
 }
 
 const std::string& point_of(const Edit& edit) {

@@ -9,6 +9,8 @@
 
 #include "collinea/base/result.h"
 #include "collinea/edit/mark_point.h"
+#include "collinea/edit/mask_image.h"
+#include "collinea/edit/patch_seams.h"
 #include "collinea/edit/remove_point.h"
 #include "collinea/edit/set_point.h"
 #include "collinea/edit/set_role.h"
@@ -29,8 +31,10 @@ struct Redo {
 };
 
 /// The closed list of what people change by hand; adding one is a struct in a file of its own and one word here. Those
-/// with a member `point` change the control point of that name, and nothing else.
-using Edit = std::variant<MarkPoint, UnmarkPoint, SetPoint, SetRole, RemovePoint, Undo, Redo>;
+/// with a member `point` change the control point of that name, and nothing else (EditsPoint); others change a part of
+/// EditedWork (EditsWork), or the history.
+using Edit = std::variant<MarkPoint, UnmarkPoint, SetPoint, SetRole, RemovePoint, MaskImage, UnmaskImage, PatchSeams,
+                          UnpatchSeams, Undo, Redo>;
 
 /// A command that changes a control point.
 template <class Kind>
@@ -38,11 +42,19 @@ concept EditsPoint = requires(const Kind kind, const EditContext context, Edited
   kind.apply(context, point);
 };
 
+/// A command that changes anything else.
+template <class Kind>
+concept EditsWork = requires(const Kind kind, const EditContext context, EditedWork& work) {
+  kind.apply(context, work);
+};
+
 /// The one parser: words as a shell or a browser gives them. Errors: no such command, and what is wrong with its words.
 [[nodiscard]] Result<Edit> parse_edit(std::span<const std::string> words);
 /// The one spelling: parse_edit() makes the same of it.
 [[nodiscard]] std::vector<std::string> words_of(const Edit& edit);
-/// The name of the point that it changes; empty of undo and redo.
+/// Undo and redo.
+[[nodiscard]] bool is_of_history(const Edit& edit);
+/// The name of the control point that it changes; empty of edits that change something else.
 [[nodiscard]] const std::string& point_of(const Edit& edit);
 /// How each command is written, in the order of the list.
 [[nodiscard]] std::vector<std::string_view> edit_forms();

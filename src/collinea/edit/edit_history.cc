@@ -40,7 +40,7 @@ Result<> EditHistory::add(Edit edit, std::string time) {
   } else {
     to_undo_.push_back(entry.number);
     to_redo_.clear();
-    of_point_[point_of(entry.edit)].push_back(entry.number);
+    if (const std::string& point = point_of(entry.edit); !point.empty()) of_point_[point].push_back(entry.number);
     if (const auto* set = std::get_if<SetPoint>(&entry.edit); set && is_set_.insert(set->point).second)
       set_points_.push_back(set->point);
   }

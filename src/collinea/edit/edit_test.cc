@@ -29,6 +29,11 @@ std::vector<Words> commands() {
           {"remove",
            "\xc3\x9c"
            "ber"},
+          {"mask", "M1", "a b.jpg", "0", "0", "10.25", "0", "10", "5.5"},
+          {"mask", "legs", "*", "0", "0", "10", "0", "10", "5", "0", "5"},
+          {"unmask", "M1"},
+          {"patch", "S1", "a.jpg", "500000.25", "5300000.5", "500010", "5300000", "500010", "5300010"},
+          {"unpatch", "S1"},
           {"undo"},
           {"redo"}};
 }
@@ -64,7 +69,8 @@ TEST(Edits, AWrongCommandSaysWhatIsWrong) {
     const char* part;
   } cases[] = {
       {{}, "no command is given"},
-      {{"paint", "P1"}, "\"paint\": one of mark, unmark, point, role, remove, undo, redo"},
+      {{"paint", "P1"},
+       "\"paint\": one of mark, unmark, point, role, remove, mask, unmask, patch, unpatch, undo, redo"},
       {{"mark", "P1"}, "mark POINT IMAGE X Y [SIGMA_PX]"},
       {{"mark", "P1", "a.jpg", "1", "2", "3", "4"}, "mark POINT IMAGE"},
       {{"mark", "P1", "a.jpg", "one", "2"}, "X: \"one\""},
@@ -84,6 +90,13 @@ TEST(Edits, AWrongCommandSaysWhatIsWrong) {
       {{"point", "P1", "check", "1", "2", "3", "0.1", "0", "0.1"}, "SN"},
       {{"role", "P1", ""}, "no role"},
       {{"remove"}, "remove POINT"},
+      {{"mask", "M", "a.jpg", "0", "0", "1", "1"}, "mask MASK IMAGE|*"},
+      {{"mask", "M", "a.jpg", "0", "0", "1", "1", "2"}, "mask MASK IMAGE|*"},
+      {{"mask", "M", "a.jpg", "0", "0", "1", "1", "2", "y"}, "Y: \"y\""},
+      {{"mask", "M", "a.jpg", "0", "0", "1", "1", "2", "2"}, "encloses nothing"},
+      {{"mask", "M", "a.jpg", "5", "5", "5", "5", "5", "5"}, "encloses nothing"},
+      {{"mask", "-", "a.jpg", "0", "0", "1", "1", "2", "0"}, "cannot be a new name"},
+      {{"patch", "S", "a.jpg", "0", "0", "1", "1", "2", "nan"}, "N: \"nan\""},
       {{"undo", "2"}, "undo"}};
   for (const auto& [words, part] : cases) EXPECT_NE(error_of(words).find(part), std::string::npos) << error_of(words);
 }
@@ -96,11 +109,19 @@ TEST(Edits, ALineOfWordsThatDoesNotCloseIsRefused) {
   EXPECT_FALSE(words_in_line("\"\\"));
 }
 
-TEST(Edits, TheirPointIsTheOnlyThingThatTheyChange) {
+template <class Kind>
+constexpr int parts_changed(const Kind&) {
+  return int(EditsPoint<Kind>) + int(EditsWork<Kind>) + int(std::is_same_v<Kind, Undo> || std::is_same_v<Kind, Redo>);
+}
+
+TEST(Edits, ThoseOfControlNameTheirPointAndChangeNothingElse) {
   for (const Words& words : commands()) {
     const Edit edit = parse_edit(words).value();
-    const bool is_of_history = words[0] == "undo" || words[0] == "redo";
-    EXPECT_EQ(point_of(edit), is_of_history ? "" : words[1]);
+    EXPECT_EQ(std::visit([](const auto& kind) { return parts_changed(kind); }, edit), 1);
+    const bool is_of_point =
+        std::visit([](const auto& kind) { return EditsPoint<std::decay_t<decltype(kind)>>; }, edit);
+    EXPECT_EQ(point_of(edit), is_of_point ? words[1] : "");
+    EXPECT_EQ(is_of_history(edit), words[0] == "undo" || words[0] == "redo");
   }
 }
 

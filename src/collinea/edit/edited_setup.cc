@@ -18,7 +18,9 @@ std::set<std::string> changed_points(const EditableSetup& setup, const EditHisto
   std::uint64_t from = setup.edited.last_edit;
   if (from > history.number()) from = 0;  // the setup holds edits of another history
   for (const EditEntry& entry : history.entries().subspan(from))
-    names.insert(point_of(entry.target > 0 ? history.at(entry.target).edit : entry.edit));
+    if (const std::string& name = point_of(entry.target > 0 ? history.at(entry.target).edit : entry.edit);
+        !name.empty())
+      names.insert(name);
   return names;
 }
 

@@ -11,17 +11,10 @@
 #include "collinea/base/result.h"
 #include "collinea/edit/edit_history.h"
 #include "collinea/edit/journal_line.h"
+#include "collinea/edit/unfit_edit.h"
 #include "collinea/store/editable_setup.h"
 
 namespace collinea {
-
-/// An edit in force that does not fit what was imported: its image or its point is gone.
-struct UnfitEdit {
-  std::uint64_t number = 0;
-  std::string point;    ///< its name
-  std::string command;  ///< as one line
-  Error why;
-};
 
 /// A setup as edits make it.
 struct EditsInForce {

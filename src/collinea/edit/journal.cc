@@ -161,7 +161,7 @@ Result<std::uint64_t> Journal::append(const Make& make) {
     return fail(Errc::kBadInput, file_.string() + ": a broken last line cannot be cut off: " + reason());
   if (edits.empty()) return number();
   for (const NewEdit& one : edits) {  // what could not be read again must not be written
-    const bool is_alone = edits.size() == 1 || !point_of(one.edit).empty();
+    const bool is_alone = edits.size() == 1 || !is_of_history(one.edit);
     COLLINEA_CHECK(is_alone);
     COLLINEA_TRY(history_.check(one.edit));
   }

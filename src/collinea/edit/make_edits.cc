@@ -5,6 +5,7 @@
 #include <map>
 
 #include "collinea/base/file.h"
+#include "collinea/edit/edited_work.h"
 #include "collinea/project/settings.h"
 
 namespace collinea {
@@ -20,7 +21,7 @@ Result<EditDefaults> defaults_of(const std::filesystem::path& project) {
 class Maker {
  public:
   Maker(const EditableSetup& setup, const EditHistory& history, const EditDefaults& defaults)
-      : points_(setup, history), defaults_(defaults) {}
+      : points_(setup, history), history_(history), defaults_(defaults) {}
 
   Result<NewEdit> make(const Edit& edit) {
     return std::visit(
@@ -31,6 +32,12 @@ class Maker {
             const EditedPoint before = point;
             COLLINEA_TRY(completed.apply(points_.context(), point));
             return NewEdit{completed, restoring(kind.point, before, point, points_.context().block())};
+          } else if constexpr (EditsWork<std::decay_t<decltype(kind)>>) {
+            COLLINEA_TRY(auto completed, kind.completed(points_.context(), defaults_));
+            EditedWork& now = work();
+            std::vector<Words> replaced = completed.restoring(points_.context(), now);
+            COLLINEA_TRY(completed.apply(points_.context(), now));
+            return NewEdit{completed, std::move(replaced)};
           } else {
             return NewEdit{kind};
           }
@@ -44,9 +51,16 @@ class Maker {
     return known != edited_.end() ? known->second : edited_.emplace(name, points_.point(name)).first->second;
   }
 
+  EditedWork& work() {
+    if (!work_) work_ = work_in_force(points_.context(), history_);
+    return *work_;
+  }
+
   PointsInForce points_;
+  const EditHistory& history_;
   EditDefaults defaults_;
   std::map<std::string, EditedPoint> edited_;
+  std::optional<EditedWork> work_;  // made when the first edit asks for it
 };
 
 Result<std::vector<NewEdit>> made(std::span<const Edit> edits, Maker maker) {

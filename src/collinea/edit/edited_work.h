@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "collinea/base/result.h"
+#include "collinea/block/block.h"
+#include "collinea/edit/edit_history.h"
+#include "collinea/edit/edited_point.h"
+#include "collinea/edit/unfit_edit.h"
+
+namespace collinea {
+
+/// A part of a photograph that the work leaves out: a moving car, water, the leg of the aircraft.
+struct ImageMask {
+  std::string name;
+  std::optional<ImageId> image;          ///< nothing: all photographs
+  std::vector<Eigen::Vector2d> ring_px;  ///< closed by itself
+};
+
+/// A part of the map that the orthophoto takes from one photograph, wherever that sees it.
+struct SeamPatch {
+  std::string name;
+  ImageId image{};
+  std::vector<Eigen::Vector2d> ring_m;  ///< closed by itself, in the map
+};
+
+/// What edits make beside control. Each kind of edit changes one of the parts.
+struct EditedWork {
+  std::vector<ImageMask> masks;    ///< in the order of their edits
+  std::vector<SeamPatch> patches;  ///< the same: where two overlap, the later one holds
+};
+
+/// The work that the edits in force make, one after the other. `unfit` (may be null) takes those that do not fit what
+/// there is: they are left out.
+[[nodiscard]] EditedWork work_in_force(const EditContext& context, const EditHistory& history,
+                                       std::vector<UnfitEdit>* unfit = nullptr);
+
+}  // namespace collinea

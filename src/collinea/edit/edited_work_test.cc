@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/edit/edited_work.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "collinea/base/file.h"
+#include "collinea/edit/test_edits.h"
+#include "collinea/io/text.h"
+
+namespace collinea {
+namespace {
+
+class Work : public EditsTest {
+ protected:
+  /// All of it, as lines.
+  std::string now() {
+    EXPECT_TRUE(journal_.refresh());
+    const EditContext context(setup_);
+    const EditedWork work = work_in_force(context, journal_.history());
+    std::string text;
+    const auto ring = [&](const std::vector<Eigen::Vector2d>& points) {
+      for (const Eigen::Vector2d& point : points) text += " " + exact(point.x()) + " " + exact(point.y());
+      text += "; ";
+    };
+    for (const ImageMask& one : work.masks) {
+      text += "mask " + one.name + " " + (one.image ? setup_.images.at(*one.image).file : "*");
+      ring(one.ring_px);
+    }
+    for (const SeamPatch& one : work.patches) {
+      text += "patch " + one.name + " " + setup_.images.at(one.image).file;
+      ring(one.ring_m);
+    }
+    return text;
+  }
+
+  Block setup_ = setup_to_edit();
+};
+
+std::vector<std::string> any_work(Random& random) {
+  const auto one_of = [&](const std::vector<std::string>& all) {
+    return all[random.below(static_cast<std::uint32_t>(all.size()))];
+  };
+  const std::string name = one_of({"a", "b", "c"}),
+                    kind = one_of({"mask", "mask", "unmask", "patch", "patch", "unpatch"});
+  if (kind.starts_with("un")) return {kind, name};
+  std::vector<std::string> words = {kind, name, one_of({"photo 0.jpg", "PHOTO 3.JPG"})};
+  if (kind == "mask" && random.below(4) == 0) words[2] = "*";
+  for (int i = 0; i < 8; ++i) words.push_back(std::to_string(1000 * random.uniform()));
+  return words;
+}
+
+TEST_F(Work, IsWhatTheEditsInForceMakeWhateverIsUndoneAndRedone) {
+  Random random(7);
+  std::vector<std::string> states = {now()};
+  std::set<std::string> kinds;
+  while (states.size() <= 100) {
+    const std::vector<std::string> words = any_work(random);
+    if (!make(words).empty()) continue;
+    kinds.insert(words[0]);
+    states.push_back(now());
+  }
+  EXPECT_EQ(kinds.size(), 4u);
+  for (std::size_t i = states.size() - 1; i > 0; --i) {
+    ASSERT_EQ(make({"undo"}), "");
+    EXPECT_EQ(now(), states[i - 1]) << i;
+  }
+  journal_ = Journal(project());
+  for (std::size_t i = 1; i < states.size(); ++i) {
+    ASSERT_EQ(make({"redo"}), "");
+    EXPECT_EQ(now(), states[i]) << i;
+  }
+}
+
+TEST_F(Work, LeavesTheSetupAsItIs) {
+  const std::uint64_t before = hash();
+  ASSERT_EQ(make({"mask", "a", "photo 0.jpg", "0", "0", "10", "0", "10", "10"}), "");
+  ASSERT_EQ(make({"patch", "a", "photo 0.jpg", "0", "0", "10", "0", "10", "10"}), "");
+  EXPECT_EQ(hash(), before);
+}
+
+TEST_F(Work, AnEntryHoldsTheCommandsThatWouldBringBackWhatItReplaced) {
+  const std::vector<std::string> first = {"mask", "a", "sub/photo 0.jpg", "0", "0", "10", "0", "10", "10"};
+  ASSERT_EQ(make(first), "");
+  ASSERT_EQ(make({"mask", "a", "*", "0", "0", "10", "0", "10", "20"}), "");
+  ASSERT_EQ(make({"unmask", "a"}), "");
+  std::vector<std::string> replaced;
+  const std::string text = read_file(file()).value();
+  for (const std::string_view line : lines_of(text)) {
+    if (line.empty()) continue;
+    const auto read = parse_journal_line(line);
+    ASSERT_TRUE(read);
+    for (const Words& words : read->replaced) replaced.push_back(line_of(words));
+  }
+  EXPECT_EQ(replaced, (std::vector<std::string>{"unmask a", line_of(first), "mask a * 0 0 10 0 10 20"}));
+}
+
+TEST_F(Work, WhatDoesNotFitIsRefusedAndAfterAnotherImportLeftOut) {
+  EXPECT_NE(make({"mask", "a", "photo 9.jpg", "0", "0", "10", "0", "10", "10"}).find("no image is called"),
+            std::string::npos);
+  EXPECT_EQ(make({"unmask", "a"}), "there is no mask a");
+  EXPECT_EQ(make({"unpatch", "a"}), "there is no patch a");
+  ASSERT_EQ(make({"mask", "a", "photo 3.jpg", "0", "0", "10", "0", "10", "10"}), "");
+  ASSERT_EQ(make({"mask", "b", "photo 1.jpg", "0", "0", "10", "0", "10", "10"}), "");
+  setup_.images.erase({3});
+  std::vector<UnfitEdit> unfit;
+  const EditContext context(setup_);
+  EXPECT_EQ(work_in_force(context, journal_.history(), &unfit).masks.size(), 1u);
+  ASSERT_EQ(unfit.size(), 1u);
+  EXPECT_EQ(unfit[0].number, 1u);
+}
+
+}  // namespace
+}  // namespace collinea
