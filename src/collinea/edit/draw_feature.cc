@@ -63,8 +63,8 @@ Result<DrawnVertex> vertex_in(Reader& reader) {
   COLLINEA_TRY(const std::string word, reader.word());
   const auto source = from_word<VertexSource>(word);
   if (!source)
-    return fail(Errc::kBadInput, "\"" + word.substr(0, 40) +
-                                     "\" begins no vertex: its SOURCE is stereo, mono, surface, cloud or typed");
+    return fail(Errc::kBadInput,
+                "\"" + word.substr(0, 40) + "\" begins no vertex: its SOURCE is stereo, mono, surface, cloud or typed");
   vertex.source = *source;
   for (int axis = 0; axis < 3; ++axis) {
     COLLINEA_TRY(vertex.position[axis], reader.number(std::string_view("ENH").substr(std::size_t(axis), 1)));
@@ -98,7 +98,8 @@ Result<DrawFeature> DrawFeature::parse(std::span<const std::string> words) {
   COLLINEA_TRY(check_new_name(one.feature, "FEATURE"));
   COLLINEA_TRY(check_new_name(one.layer, "LAYER"));
   const auto kind = from_word<VectorKind>(words[2]);
-  if (!kind) return fail(Errc::kBadInput, "\"" + words[2].substr(0, 40) + "\" is no kind: it is point, line or polygon");
+  if (!kind)
+    return fail(Errc::kBadInput, "\"" + words[2].substr(0, 40) + "\" is no kind: it is point, line or polygon");
   one.kind = *kind;
   for (Reader reader(words.subspan(3)); !reader.at_end();) {
     if (one.vertices.size() == kMostVertices)
@@ -122,8 +123,8 @@ std::vector<std::string> DrawFeature::words() const {
         words.push_back(exact((*vertex.covariance_m2)(row, column)));
     }
     for (const VertexMark& mark : vertex.marks)
-      for (const std::string& word : {std::string("mark"), mark.image, exact(mark.pixel.x()), exact(mark.pixel.y()),
-                                      exact(mark.sigma_px)})
+      for (const std::string& word :
+           {std::string("mark"), mark.image, exact(mark.pixel.x()), exact(mark.pixel.y()), exact(mark.sigma_px)})
         words.push_back(word);
   }
   return words;

@@ -35,8 +35,9 @@ std::vector<Words> commands() {
           {"patch", "S1", "a.jpg", "500000.25", "5300000.5", "500010", "5300000", "500010", "5300010"},
           {"unpatch", "S1"},
           {"draw", "*", "roof", "point", "typed", "500000.25", "5300000.5", "-3"},
-          {"draw", "F1", "roof", "line", "mono", "1", "2", "3", "cov", "1", "0", "0.5", "1", "0", "2", "mark", "a b.jpg",
-           "10.5", "20", "0.5", "stereo", "1", "2", "4", "mark", "a.jpg", "1", "2", "0.5", "mark", "mark", "3", "4", "1"},
+          {"draw", "F1",    "roof", "line", "mono",    "1",    "2",    "3",   "cov",    "1", "0", "0.5",
+           "1",    "0",     "2",    "mark", "a b.jpg", "10.5", "20",   "0.5", "stereo", "1", "2", "4",
+           "mark", "a.jpg", "1",    "2",    "0.5",     "mark", "mark", "3",   "4",      "1"},
           {"erase", "F1"},
           {"attribute", "F1", "use", ""},
           {"layer", "roof", "polygon", "#e67e22"},
@@ -77,7 +78,8 @@ TEST(Edits, AWrongCommandSaysWhatIsWrong) {
   } cases[] = {
       {{}, "no command is given"},
       {{"paint", "P1"},
-       "\"paint\": one of mark, unmark, point, role, remove, mask, unmask, patch, unpatch, draw, erase, attribute, layer, "
+       "\"paint\": one of mark, unmark, point, role, remove, mask, unmask, patch, unpatch, draw, erase, attribute, "
+       "layer, "
        "undo, redo"},
       {{"mark", "P1"}, "mark POINT IMAGE X Y [SIGMA_PX]"},
       {{"mark", "P1", "a.jpg", "1", "2", "3", "4"}, "mark POINT IMAGE"},

@@ -56,8 +56,13 @@ std::vector<std::string> any_work(Random& random) {
   if (kind == "attribute") return {kind, feature, name, one_of({"x", "y", "-"})};
   if (kind == "layer") return {kind, name, "any", one_of({"#000000", "#ff0000"})};
   if (kind == "draw")
-    return {kind,  one_of({"*", "*", feature}),          name,     "point",       "mono", std::to_string(random.uniform()), "2", "3",
-            "mark", one_of({"photo 0.jpg", "PHOTO 3.JPG"}), "1", "2", "0.5"};
+    return {kind,   one_of({"*", "*", feature}),
+            name,   "point",
+            "mono", std::to_string(random.uniform()),
+            "2",    "3",
+            "mark", one_of({"photo 0.jpg", "PHOTO 3.JPG"}),
+            "1",    "2",
+            "0.5"};
   if (kind.starts_with("un")) return {kind, name};
   std::vector<std::string> words = {kind, name, one_of({"photo 0.jpg", "PHOTO 3.JPG"})};
   if (kind == "mask" && random.below(4) == 0) words[2] = "*";
@@ -133,7 +138,8 @@ TEST_F(Work, AFeatureThatIsDrawnAgainKeepsItsAttributesAndItsPlace) {
                              {"attribute", "F1", "use", "shed"},
                              {"draw", "F1", "roof", "point", "typed", "7", "2", "3"}})
     ASSERT_EQ(make(words), "");
-  EXPECT_EQ(now(), "layer roof point #010203; draw F1 roof point typed 7 2 3; use=shed; draw F2 wall point typed 1 2 3; ");
+  EXPECT_EQ(now(),
+            "layer roof point \"#010203\"; draw F1 roof point typed 7 2 3; use=shed; draw F2 wall point typed 1 2 3; ");
   EXPECT_NE(make({"draw", "*", "roof", "line", "typed", "1", "2", "3", "typed", "1", "2", "4"}).find("as a point"),
             std::string::npos);
   EXPECT_NE(make({"layer", "wall", "line", "#010203"}).find("F2 on it is a point"), std::string::npos);

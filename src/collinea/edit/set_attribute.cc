@@ -16,7 +16,8 @@ Result<SetAttribute> SetAttribute::parse(std::span<const std::string> words) {
   // As a name, but that it may be long, or nothing.
   for (std::size_t i = 0; i < words[2].size();) {
     std::size_t end = std::min(words[2].size(), i + 250);
-    while (end < words[2].size() && (static_cast<unsigned char>(words[2][end]) & 0xc0) == 0x80) ++end;  // between characters
+    while (end < words[2].size() && (static_cast<unsigned char>(words[2][end]) & 0xc0) == 0x80)
+      ++end;  // between characters
     COLLINEA_TRY(check_name(words[2].substr(i, end - i), "VALUE"));
     i = end;
   }

@@ -11,26 +11,27 @@
 namespace collinea {
 namespace {
 
-constexpr FileText kDefault = R"(# What is drawn on which layer: own lists stand in codes.txt of a project, in this form.
+constexpr FileText kDefault =
+    R"(# What is drawn on which layer: own lists stand in codes.txt of a project, in this form.
 code; layer; kind; colour; meaning
-B; building; polygon; #c0392b; outline of a building at the ground
-R; roof; polygon; #e67e22; surface of a roof
-RL; roof; line; #e67e22; ridge, eaves or verge
-RD; road; line; #5d6d7e; edge of a road
-RC; road; line; #5d6d7e; kerb
-PA; path; line; #a04000; path
-W; water; polygon; #2471a3; standing water
-WL; water; line; #2471a3; bank or axis of running water
-WA; wall; line; #7b241c; wall
-FE; fence; line; #7d6608; fence
-BT; breakline; line; #6c3483; top of a slope
-BB; breakline; line; #6c3483; foot of a slope
-VE; vegetation; polygon; #1e8449; edge of trees or shrubs
-TR; tree; point; #196f3d; tree
-MH; manhole; point; #1b2631; manhole or gully
-PO; pole; point; #1b2631; pole, mast or lamp
-SP; height; point; #000000; spot height
-X; other; line; #c00000; anything else
+B; building; polygon; c0392b; outline of a building at the ground
+R; roof; polygon; e67e22; surface of a roof
+RL; roof; line; e67e22; ridge, eaves or verge
+RD; road; line; 5d6d7e; edge of a road
+RC; road; line; 5d6d7e; kerb
+PA; path; line; a04000; path
+W; water; polygon; 2471a3; standing water
+WL; water; line; 2471a3; bank or axis of running water
+WA; wall; line; 7b241c; wall
+FE; fence; line; 7d6608; fence
+BT; breakline; line; 6c3483; top of a slope
+BB; breakline; line; 6c3483; foot of a slope
+VE; vegetation; polygon; 1e8449; edge of trees or shrubs
+TR; tree; point; 196f3d; tree
+MH; manhole; point; 1b2631; manhole or gully
+PO; pole; point; 1b2631; pole, mast or lamp
+SP; height; point; 000000; spot height
+X; other; line; c00000; anything else
 )";
 
 Result<DrawingCode> code_in(const TextTable& table, const std::vector<std::string>& row) {
@@ -44,8 +45,8 @@ Result<DrawingCode> code_in(const TextTable& table, const std::vector<std::strin
   if (!kind) return fail(Errc::kBadFormat, "\"" + word("kind") + "\" is no kind: it is point, line or polygon");
   code.kind = *kind;
   if (const std::string text = word("colour"); !text.empty()) {
-    const auto colour = colour_in(text);
-    if (!colour) return fail(Errc::kBadFormat, "\"" + text + "\" is no colour such as #c00000");
+    const auto colour = colour_in(text[0] == '#' ? text : "#" + text);  // a # begins a remark, even within a line
+    if (!colour) return fail(Errc::kBadFormat, "\"" + text + "\" is no colour such as c00000");
     code.colour = *colour;
   }
   return code;

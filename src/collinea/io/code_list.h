@@ -11,10 +11,10 @@
 namespace collinea {
 
 /// The code list of a drawing as a table (io/text_table.h) with code, layer, kind (point, line, polygon), colour
-/// (#c00000; may be missing) and meaning (may be missing):
+/// (c00000, red, green and blue; may be missing) and meaning (may be missing):
 ///
 ///     code; layer; kind; colour; meaning
-///     R1; roof; polygon; #c0392b; outline of a roof
+///     R1; roof; polygon; c0392b; outline of a roof
 ///
 /// Errors: the table; a code twice, a kind or colour that is none, more than kMostCodes; with their row.
 [[nodiscard]] Result<std::vector<DrawingCode>> parse_code_list(std::string_view text);

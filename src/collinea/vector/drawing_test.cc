@@ -37,11 +37,14 @@ TEST(Drawing, LayersAreThoseNamedThenThoseOfCodesThenThoseOfFeatures) {
 
 TEST(Drawing, TablesHoldFeaturesWithSigmasAndAttributesAndAllVertices) {
   Drawing drawing;
-  drawing.features = {
-      {"F1", "roof", VectorKind::kLine, {{"Feature", "x"}, {"use", "shed"}}, {vertex(0, 0, 1, 0.1), vertex(1, 0, 1, 0.2)}},
-      {"F2", "roof", VectorKind::kLine, {}, {vertex(0, 0, 1), vertex(1, 0, 1, 0.2)}},
-      {"F3", "roof", VectorKind::kPoint, {}, {vertex(5, 5, 5)}},
-      {"F4", "ROOF", VectorKind::kPoint, {}, {vertex(6, 5, 5)}}};
+  drawing.features = {{"F1",
+                       "roof",
+                       VectorKind::kLine,
+                       {{"Feature", "x"}, {"use", "shed"}},
+                       {vertex(0, 0, 1, 0.1), vertex(1, 0, 1, 0.2)}},
+                      {"F2", "roof", VectorKind::kLine, {}, {vertex(0, 0, 1), vertex(1, 0, 1, 0.2)}},
+                      {"F3", "roof", VectorKind::kPoint, {}, {vertex(5, 5, 5)}},
+                      {"F4", "ROOF", VectorKind::kPoint, {}, {vertex(6, 5, 5)}}};
   const auto tables = vector_layers(drawing, {});
   ASSERT_EQ(tables.size(), 4u);
   EXPECT_EQ(tables[0].name, "roof_point");

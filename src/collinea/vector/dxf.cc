@@ -62,7 +62,8 @@ bool add_row(OGRLayerH entities, const VectorLayer& layer, const VectorRow& row)
   if (layer.kind == VectorKind::kPoint) return add_entity(entities, layer, point(row.positions.front()));
   const bool is_closed = layer.kind == VectorKind::kPolygon;
   bool added = row.positions.size() < 2 || add_entity(entities, layer, line(row.positions, is_closed));
-  for (const auto& hole : row.holes) added = added && (hole.size() < 2 || add_entity(entities, layer, line(hole, true)));
+  for (const auto& hole : row.holes)
+    added = added && (hole.size() < 2 || add_entity(entities, layer, line(hole, true)));
   return added;
 }
 
