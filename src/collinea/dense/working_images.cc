@@ -16,6 +16,16 @@ bool is_ideal(const Camera& camera) {
          std::all_of(camera.params.begin() + Camera::kK1, camera.params.end(), [](double p) { return p == 0; });
 }
 
+// What masks hide of an image, in the working image: `taken` is the camera of the image reduced by `shrink`.
+void hide(const MaskRings& masks, const Camera& taken, const RayBend& bend, int shrink, const Camera& ideal,
+          GreyImage& image) {
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const auto pixel = project(taken, bend.bent(ray_in_cam(ideal, {x + 0.5, y + 0.5})));
+      if (pixel && masks.hides(*pixel * shrink)) image.at(x, y) = 0;
+    }
+}
+
 }  // namespace
 
 DenseOptions options_of_matching(DenseOptions options) {
@@ -84,8 +94,8 @@ GreyImage halved(const GreyImage& image) {
   return half;
 }
 
-WorkingImages::WorkingImages(const Block& block, PixelSource pixels, const DenseOptions& options)
-    : block_(block), pixels_(std::move(pixels)), options_(options) {}
+WorkingImages::WorkingImages(const Block& block, PixelSource pixels, const DenseOptions& options, ImageMasks masks)
+    : block_(block), pixels_(std::move(pixels)), options_(options), masks_(std::move(masks)) {}
 
 Result<Camera> WorkingImages::camera(ImageId image) const {
   const Camera& original = block_.camera_of(image);
@@ -103,7 +113,9 @@ Result<WorkingImage> WorkingImages::make(ImageId image) const {
                                      " x " + std::to_string(file.height) + " pixels, its camera " +
                                      std::to_string(camera.width_px) + " x " + std::to_string(camera.height_px));
   WorkingImage result{without_distortion(camera), {}};
-  result.levels.push_back(undistorted(file, camera, block_.images.at(image).bend));
+  const RayBend& bend = block_.images.at(image).bend;
+  result.levels.push_back(undistorted(file, camera, bend));
+  if (const MaskRings* masks = masks_.of(image)) hide(*masks, camera, bend, shrink, result.camera, result.levels[0]);
   while (std::min(result.levels.back().width, result.levels.back().height) >= 2 * kSmallestSide)
     result.levels.push_back(halved(result.levels.back()));
   return result;

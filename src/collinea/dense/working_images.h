@@ -8,6 +8,7 @@
 #include <mutex>
 #include <vector>
 
+#include "collinea/block/image_masks.h"
 #include "collinea/dense/depth_map.h"
 
 namespace collinea {
@@ -36,10 +37,10 @@ struct WorkingImage {
 [[nodiscard]] GreyImage halved(const GreyImage& image);
 
 /// The images for matching, made on demand and kept until half of `memory_mb` is full (least recently used go first;
-/// the other half is for matching costs). Thread-safe. The block must outlive it.
+/// the other half is for matching costs). What masks hide is nothing in them. Thread-safe. The block must outlive it.
 class WorkingImages {
  public:
-  WorkingImages(const Block& block, PixelSource pixels, const DenseOptions& options);
+  WorkingImages(const Block& block, PixelSource pixels, const DenseOptions& options, ImageMasks masks = {});
 
   /// Errors: whatever the source says; an image whose size does not fit its camera.
   [[nodiscard]] Result<std::shared_ptr<const WorkingImage>> image_of(ImageId image);
@@ -63,6 +64,7 @@ class WorkingImages {
   const Block& block_;
   PixelSource pixels_;
   DenseOptions options_;
+  ImageMasks masks_;
   std::mutex mutex_;
   std::map<ImageId, std::shared_ptr<Entry>> entries_;
   std::list<ImageId> by_use_;  ///< latest first

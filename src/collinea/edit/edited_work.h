@@ -36,6 +36,9 @@ struct EditedWork {
   Drawing drawing;
 };
 
+/// A text that is equal only of equal patches; for fingerprints.
+[[nodiscard]] std::string patches_text(const EditedWork& work);
+
 /// The work that the edits in force make, one after the other. `unfit` (may be null) takes those that do not fit what
 /// there is: they are left out.
 [[nodiscard]] EditedWork work_in_force(const EditContext& context, const EditHistory& history,

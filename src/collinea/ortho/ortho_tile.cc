@@ -11,8 +11,8 @@ namespace collinea {
 namespace {
 
 // A multiple of the block, larger than what labels and weights look at around a cell.
-constexpr int kMargin = 3 * OrthoPatch::kBlock;
-static_assert(kMargin > kSeamReach);
+constexpr int kMargin = kOrthoTileReach;
+static_assert(kMargin % OrthoPatch::kBlock == 0 && kMargin > kSeamReach);
 
 CellArea patch_area(int column, int row, int width, int height) {
   constexpr int kBlock = OrthoPatch::kBlock;

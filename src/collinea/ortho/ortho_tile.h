@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <utility>
@@ -17,12 +18,25 @@ struct SeamAgreement {
   struct Step {
     std::uint64_t sides = 0;
     double grey_levels = 0;  ///< sum over the sides: second view less first
+
+    template <class Visit>
+    static void fields(Visit&& visit) {
+      visit("sides", &Step::sides);
+      visit("grey_levels", &Step::grey_levels);
+    }
   };
   std::uint64_t sides = 0;
-  double difference_grey = 0;                                 ///< sum over the sides: mean over channels, without sign
-  std::map<std::pair<std::size_t, std::size_t>, Step> steps;  ///< by indices of the two views
+  double difference_grey = 0;                        ///< sum over the sides: mean over channels, without sign
+  std::map<std::array<std::size_t, 2>, Step> steps;  ///< by indices of the two views
 
   void add(const SeamAgreement& other);
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    visit("sides", &SeamAgreement::sides);
+    visit("difference_grey", &SeamAgreement::difference_grey);
+    visit("steps", &SeamAgreement::steps);
+  }
 };
 
 struct OrthoTile {
@@ -31,6 +45,9 @@ struct OrthoTile {
   SeamAgreement seams;                                     ///< sides to the east and the south of the tile's cells
   std::map<std::size_t, std::uint64_t> not_followed = {};  ///< by views that the plan names: cells that another leads
 };
+
+/// How far around a tile the plan of the seams has a say in it [cells].
+constexpr int kOrthoTileReach = 48;
 
 /// A piece of the orthophoto; column and row are multiples of OrthoPatch::kBlock. What a cell becomes depends only on
 /// its surroundings, not on the tile it lies in. Errors: an image or the surface cannot be read; cancelled.

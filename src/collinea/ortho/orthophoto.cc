@@ -62,14 +62,12 @@ std::vector<Eigen::Vector3d> positions_in_world(const HeightOverview& overview, 
   return positions;
 }
 
-void tally(const OrthoTile& tile, OrthoSummary& summary, std::set<std::uint16_t>& used, SeamAgreement& seams) {
-  seams.add(tile.seams);
-  for (const auto& [view, cells] : tile.not_followed) summary.not_followed[view] += cells;
-  std::uint16_t last = 0;
-  for (const std::uint16_t source : tile.source.data) {
-    (source ? summary.painted_cells : summary.empty_cells)++;
-    if (source && source != last) used.insert(last = source);
-  }
+void add(const OrthoTally& tally, OrthoSummary& summary, std::set<std::uint16_t>& used, SeamAgreement& seams) {
+  seams.add(tally.seams);
+  for (const auto& [view, cells] : tally.not_followed) summary.not_followed[view] += cells;
+  summary.painted_cells += tally.painted_cells;
+  summary.empty_cells += tally.empty_cells;
+  used.insert(tally.used.begin(), tally.used.end());
 }
 
 void sum_up(const SeamAgreement& seams, OrthoSummary& summary) {
@@ -81,19 +79,34 @@ void sum_up(const SeamAgreement& seams, OrthoSummary& summary) {
   summary.seam_step_grey = std::sqrt(squares / double(seams.sides));
 }
 
+CellArea area_of(const Unit& tile, const MapGrid& grid) {
+  const int column = int(tile.first) * kOrthoTile, row = int(tile.second) * kOrthoTile;
+  return {column, row, std::min(kOrthoTile, grid.width - column), std::min(kOrthoTile, grid.height - row)};
+}
+
 // Tiles are made side by side, and handed on in their order.
-Result<> make_tiles(const OrthoScene& scene, const OrthoSink& sink, OrthoSummary& summary, const Run& run) {
+Result<> make_tiles(const OrthoScene& scene, const SeamGuides& guides, const OrthoSink& sink, OrthoSummary& summary,
+                    const Run& run) {
   const MapGrid& grid = scene.grid;
   const UnitList list{"ortho", tiles_over(grid.width, grid.height, kOrthoTile, kOrthoTile)};
+  std::vector<SeamPolygon> changed;
+  if (guides.earlier) changed = changed_patches(guides.earlier->kept.patches, guides.patches);
   std::set<std::uint16_t> used;
   SeamAgreement seams;
+  const auto is_kept = [&](const CellArea& area) {
+    return guides.earlier &&
+           std::ranges::none_of(changed, [&](const auto& patch) { return reaches(patch, grid, area); });
+  };
   const auto make = [&](const Unit& unit) {
-    const int column = int(unit.first) * kOrthoTile, row = int(unit.second) * kOrthoTile;
-    return make_ortho_tile(scene, column, row, std::min(kOrthoTile, grid.width - column),
-                           std::min(kOrthoTile, grid.height - row), run);
+    const CellArea area = area_of(unit, grid);
+    if (is_kept(area)) return guides.earlier->read(area);
+    return make_ortho_tile(scene, area.column, area.row, area.width, area.height, run);
   };
   const auto take = [&](const Unit& unit, const OrthoTile& tile) {
-    tally(tile, summary, used, seams);
+    const bool kept = is_kept(area_of(unit, grid));
+    summary.kept.tallies.push_back(kept ? guides.earlier->kept.tallies[summary.kept.tallies.size()] : tally_of(tile));
+    summary.kept_tiles += kept;
+    add(summary.kept.tallies.back(), summary, used, seams);
     auto taken = sink.take(int(unit.first) * kOrthoTile, int(unit.second) * kOrthoTile, tile);
     give_back_freed_memory();
     return taken;
@@ -104,19 +117,31 @@ Result<> make_tiles(const OrthoScene& scene, const OrthoSink& sink, OrthoSummary
   return {};
 }
 
+// Whether an orthophoto of this grid and these views can have left it.
+bool fits(const KeptOrthophoto& kept, const OrthoScene& scene, bool is_given) {
+  const MapGrid plan = is_given ? MapGrid{} : plan_grid(scene.grid);
+  return kept.tallies.size() == tiles_over(scene.grid.width, scene.grid.height, kOrthoTile, kOrthoTile).size() &&
+         kept.plan.width == plan.width && kept.plan.height == plan.height && raster_of(kept.plan) &&
+         kept.balance.exposures.size() == scene.views.size();
+}
+
 }  // namespace
 
 Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame, const HeightField& surface,
-                                     const SeamGuides& guides, const PixelSource& pixels, double gsd_m,
+                                     const SeamGuides& given, const PixelSource& pixels, double gsd_m,
                                      const OrthoSink& sink, const OrthoOptions& options, const Run& run) {
   COLLINEA_TRY(validate(options));
+  SeamGuides guides = given;
   OrthoScene scene;
   scene.views = views_of(block, frame);
+  if (guides.masks)
+    for (View& view : scene.views) view.masks = guides.masks->of(view.image);
   if (scene.views.empty()) return fail(Errc::kIllPosed, "no oriented photographs for an orthophoto");
   if (scene.views.size() > 65'000) return fail(Errc::kUnsupported, "more than 65000 photographs for one orthophoto");
   if (!options.cell_m && !(gsd_m > 0 && std::isfinite(gsd_m)))
     return fail(Errc::kBadInput, "neither cell_m nor the ground size of a pixel is known");
   COLLINEA_TRY(scene.grid, grid_over(surface.grid, options.cell_m ? *options.cell_m : tidy_cell_m(gsd_m)));
+  if (guides.earlier && !fits(guides.earlier->kept, scene, guides.given != nullptr)) guides.earlier = nullptr;
   COLLINEA_TRY(const HeightOverview heights, overview(surface, run));
   scene.surface = &surface, scene.surface_overview = &heights, scene.frame = frame;
   scene.terrain = guides.terrain, scene.scratch = sink.scratch;
@@ -125,23 +150,29 @@ Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame
   scene.images = &images;
   scene.feather_cells = options.feather_cells;
   scene.balance.exposures.resize(scene.views.size());
-  if (options.balance) {
+  if (guides.earlier) {
+    scene.balance = guides.earlier->kept.balance;
+  } else if (options.balance) {
     COLLINEA_TRY(scene.balance, balance_of(scene.views, positions_in_world(heights, surface.grid, frame), pixels, run));
   }
   SeamPlan seams;
   if (guides.given) {
     seams.given = *guides.given;
+  } else if (guides.earlier) {
+    seams.source = raster_of(guides.earlier->kept.plan).value();
   } else {
     COLLINEA_TRY(seams, plan_seams(scene, run));
   }
+  seams.patches = guides.patches;
   scene.seams = &seams;
   OrthoSummary summary;
   summary.grid = scene.grid;
-  summary.balance = scene.balance;
+  summary.kept = {scene.balance, runs_of(seams.source), guides.patches, {}};
   for (const View& view : scene.views) summary.sources.push_back(view.image);
   summary.seamlines = guides.given ? *guides.given : outlines_of(seams.source, plan_grid(scene.grid));
+  summary.seamlines.insert(summary.seamlines.end(), guides.patches.begin(), guides.patches.end());
   COLLINEA_TRY(sink.begin(scene.grid));
-  COLLINEA_TRY(make_tiles(scene, sink, summary, run));
+  COLLINEA_TRY(make_tiles(scene, guides, sink, summary, run));
   return summary;
 }
 

@@ -11,6 +11,8 @@
 
 #include "collinea/base/options.h"
 #include "collinea/base/run.h"
+#include "collinea/block/image_masks.h"
+#include "collinea/ortho/kept_orthophoto.h"
 #include "collinea/ortho/ortho_tile.h"
 #include "collinea/ortho/seamlines.h"
 #include "collinea/radiometry/exposure.h"
@@ -39,9 +41,13 @@ struct OrthoOptions {
 
 /// What is known of where seams should run.
 struct SeamGuides {
+  const ImageMasks* masks = nullptr;     ///< parts of images that are taken nowhere
   const HeightField* terrain = nullptr;  ///< seams avoid what stands above it; null: not known
   const std::vector<SeamPolygon>* given =
-      nullptr;  ///< where they are to run; sources by OrthoSummary::sources; null: find
+      nullptr;                            ///< where they are to run; sources by OrthoSummary::sources; null: find
+  std::vector<SeamPolygon> patches = {};  ///< lie over these or those, the later ones on top
+  /// Made of the same but for patches: only what these change is made anew, the rest is taken from it; null: none.
+  const EarlierOrthophoto* earlier = nullptr;
 };
 
 struct OrthoFiles {
@@ -52,10 +58,11 @@ struct OrthoFiles {
 struct OrthoSummary {
   MapGrid grid;
   std::vector<ImageId> sources;  ///< all oriented images, by id
-  ColourBalance balance;         ///< of the sources
+  KeptOrthophoto kept;           ///< with the colour balance of the sources
+  std::uint64_t kept_tiles = 0;  ///< taken from an earlier one
   std::uint64_t painted_cells = 0, empty_cells = 0;
   std::uint64_t images_used = 0;
-  std::vector<SeamPolygon> seamlines;  ///< the plan: sources are indices in `sources`, from 1 on
+  std::vector<SeamPolygon> seamlines;  ///< the plan, patches last: sources are indices in `sources`, from 1 on
   std::map<std::size_t, std::uint64_t>
       not_followed;                 ///< by index in `sources`: cells planned for it that it does not see
   double seam_length_m = 0;         ///< where both images see the point
@@ -72,12 +79,11 @@ struct OrthoSink {
 
 /// The true orthophoto: each cell of the map takes the colour of its position on the surface, from the image that
 /// sees it most from above and is not hidden by the surface; images are mixed in a narrow zone along the seams.
-/// Seams run as given, or are found (plan_seams). Cells that no image sees, and cells without height, stay
-/// transparent: nothing is copied from the wrong surface. `frame`: null when the surface model lies in the plane x, y
-/// of the world. `gsd_m`: ground size of a pixel of the images. Holds at most about 512 MB of decoded images, or two of
-/// them where these are larger.
-/// Same bits with any number of threads. Errors: an image cannot be read, no oriented images, raster too large,
-/// cancelled.
+/// Seams run as given, or are found (plan_seams); patches lie over them. Cells that no image sees, and cells without
+/// height, stay transparent: nothing is copied from the wrong surface. `frame`: null when the surface model lies in the
+/// plane x, y of the world. `gsd_m`: ground size of a pixel of the images. Holds at most about 512 MB of decoded
+/// images, or two of them where these are larger. Same bits with any number of threads. Errors: an image cannot be
+/// read, no oriented images, raster too large, cancelled.
 Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame, const HeightField& surface,
                                      const SeamGuides& guides, const PixelSource& pixels, double gsd_m,
                                      const OrthoSink& sink, const OrthoOptions& options, const Run& run);

@@ -13,6 +13,13 @@ namespace collinea {
 struct SeamPolygon {
   std::uint16_t source = 0;    ///< 1 + index of the view
   std::vector<MapRing> rings;  ///< the outline, then its holes
+
+  friend bool operator==(const SeamPolygon&, const SeamPolygon&) = default;
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    visit("source", &SeamPolygon::source);
+    visit("rings", &SeamPolygon::rings);
+  }
 };
 
 /// Gives the areas of equal source (0: none, stays) that hang together by sides and have fewer cells to the neighbour

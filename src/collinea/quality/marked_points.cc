@@ -202,6 +202,14 @@ void forget_coordinates(std::vector<Taken>& taken) {
   for (Taken& one : taken) one.point.weight.setZero();
 }
 
+// Rays may meet nearly nowhere: such points have no position, and keep nobody else from his. Whether any was found.
+bool leave_out_undetermined(const bundle::ReducedSystem& system, CovarianceOfImages& covariance,
+                            std::vector<Taken>& taken) {
+  return std::erase_if(taken, [&](const Taken& one) {
+           return !solved_marks(system, {&one, 1}, covariance, std::nullopt);
+         }) > 0;
+}
+
 }  // namespace
 
 Result<AdjustedMarks> MarkedBlock::adjust(std::span<const BlockPoint> points, const TestOptions& test) {
@@ -219,6 +227,8 @@ Result<AdjustedMarks> MarkedBlock::adjust(std::span<const BlockPoint> points, co
     taken.push_back(*std::move(one));
   }
   auto solution = solved_marks(*state.system, taken, *state.covariance, state.motion);
+  if (!solution && leave_out_undetermined(*state.system, *state.covariance, taken))
+    solution = solved_marks(*state.system, taken, *state.covariance, state.motion);
   if (!solution && state.motion) {
     out.placed = false;
     forget_coordinates(taken);

@@ -265,5 +265,31 @@ TEST(MarkedBlock, WhatDeterminesNothingHasNoPosition) {
   EXPECT_EQ(bad.error().code, Errc::kBadInput);
 }
 
+// Marks that a hand slipped with: rays that do not meet, or meet anywhere. All other points have their position.
+TEST(MarkedBlock, MarksThatMeetNowhereKeepNobodyElseFromHisPosition) {
+  const Block block = test_block(small_block(9));
+  const std::vector<BlockPoint> all = marked_in(block);
+  Result<MarkedBlock> base = MarkedBlock::of(block, {}, plain(), BlockControl::kLeftOut, {});
+  ASSERT_TRUE(base);
+  Random random(4);
+  std::vector<ImageId> images;
+  for (const auto& [id, image] : block.images) images.push_back(id);
+  const auto any_mark = [&] {
+    const ImageId image = images[random.below(std::uint32_t(images.size()))];
+    const Camera& camera = block.camera_of(image);
+    return BlockMark{image, {camera.width_px * random.uniform(), camera.height_px * random.uniform()}, 0.5};
+  };
+  int without = 0;
+  for (int i = 0; i < 300; ++i) {
+    BlockPoint wrong{{any_mark(), any_mark()}};
+    if (i % 3 == 0) wrong.marks.push_back(any_mark());
+    const Result<AdjustedMarks> found = base->adjust(std::vector{all[0], wrong, all[1]});
+    ASSERT_TRUE(found) << i << ": " << found.error().message;
+    for (const std::size_t p : {0u, 2u}) EXPECT_TRUE(found->points[p].position_in_world) << i;
+    without += !found->points[1].position_in_world;
+  }
+  EXPECT_GT(without, 10);
+}
+
 }  // namespace
 }  // namespace collinea

@@ -313,7 +313,7 @@ ChannelTable darkness_at(const ChannelTable& darkness, std::span<const Eigen::Ve
 
 std::optional<ColourSample> sample_at(const View& view, const ColourImage& image, const Eigen::Vector3d& position) {
   const auto pixel = pixel_of(view, position);
-  if (!pixel || !well_inside(view, *pixel)) return std::nullopt;
+  if (!pixel || !shows(view, *pixel)) return std::nullopt;
   ColourSample sample;
   sample.r2 = float(relative_radius2(view.camera, *pixel));
   sample.direction = (view.centre_in_world - position).normalized().head<2>();

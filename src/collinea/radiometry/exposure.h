@@ -18,6 +18,12 @@ namespace collinea {
 struct Exposure {
   std::array<float, 3> gain{1, 1, 1};
   std::array<float, 3> falloff{0, 0, 0};  ///< the same for all images of a camera
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    visit("gain", &Exposure::gain);
+    visit("falloff", &Exposure::falloff);
+  }
 };
 
 /// What makes the images of a block match.
@@ -36,6 +42,13 @@ struct ColourBalance {
   [[nodiscard]] std::array<float, 3> factor(std::size_t view_index, const View& view,
                                             const Eigen::Vector3d& position_in_world,
                                             const Eigen::Vector2d& pixel) const;
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    visit("exposures", &ColourBalance::exposures);
+    visit("directions", &ColourBalance::directions);
+    visit("mean_darkness", &ColourBalance::mean_darkness);
+  }
 };
 
 /// The squared distance of a pixel from the middle of the image over the squared half diagonal.

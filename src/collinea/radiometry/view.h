@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "collinea/block/block.h"
+#include "collinea/block/image_masks.h"
 #include "collinea/geodesy/local_frame.h"
 
 namespace collinea {
@@ -20,6 +20,7 @@ struct View {
   RayBend bend;
   Eigen::Matrix3d rotation;  ///< of cam_from_world: millions of points are turned by it
   Eigen::Vector3d centre_in_world, centre_in_map;
+  const MaskRings* masks = nullptr;  ///< parts of the image that show nothing; null: none
   /// How far the flattest line of sight of the image runs per rise, or more; infinite where one does not rise.
   double most_run_per_rise = std::numeric_limits<double>::infinity();
 };
@@ -37,6 +38,11 @@ struct View {
   constexpr double kRim = 2.5;  // what an interpolation by 4 x 4 pixels needs, and the JPEG's last row
   return pixel.x() >= kRim && pixel.y() >= kRim && pixel.x() <= view.camera.width_px - kRim &&
          pixel.y() <= view.camera.height_px - kRim;
+}
+
+/// The same, and no mask hides the pixel.
+[[nodiscard]] inline bool shows(const View& view, const Eigen::Vector2d& pixel) {
+  return well_inside(view, pixel) && !(view.masks && view.masks->hides(pixel));
 }
 
 /// How well a view serves for a point: 0 straight from above in the middle of the image; grows with the square of the

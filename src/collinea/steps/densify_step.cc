@@ -13,6 +13,7 @@
 #include "collinea/cloud/ply.h"
 #include "collinea/dense/fuse.h"
 #include "collinea/dense/match.h"
+#include "collinea/edit/read_work.h"
 #include "collinea/project/depth_folder.h"
 #include "collinea/project/product_frame.h"
 #include "collinea/raster/image_file.h"
@@ -73,17 +74,15 @@ Result<std::vector<ImageId>> match_all(const Project& project, const Block& bloc
 }
 
 // What depth maps are made from. Options of fusion leave them alone.
-Result<std::string> inputs_of_depth_maps(const Project& project) {
+Result<std::string> inputs_of_depth_maps(const Project& project, const ImageMasks& masks) {
   COLLINEA_TRY(const auto adjusted, project.store.read_step("adjust"));
   COLLINEA_CHECK(adjusted.has_value());
   Settings settings = project.settings;
   settings.densify = options_of_matching(settings.densify);
-  return Hash()
-      .add(COLLINEA_VERSION)
-      .add("depth maps")
-      .add(options_text(settings, "densify"))
-      .add(adjusted->output_hash)
-      .hex();
+  Hash hash;
+  hash.add(COLLINEA_VERSION).add("depth maps").add(options_text(settings, "densify")).add(adjusted->output_hash);
+  if (!masks.empty()) hash.add(masks.text());
+  return hash.hex();
 }
 
 // Where on the map the tie points lie.
@@ -157,10 +156,12 @@ class CloudFiles {
 Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash) {
   COLLINEA_TRY(const Block block, project.store.read_orientation());
   COLLINEA_TRY(const ProductFrame product_frame, product_frame_of(project, block));
+  COLLINEA_TRY(const ImageMasks masks, read_masks(project));
   const auto file = [&](ImageId image) { return project.image_file(block.images.at(image)); };
   WorkingImages sources(
-      block, [&](ImageId image, int shrink) { return read_grey(file(image), shrink); }, project.settings.densify);
-  COLLINEA_TRY(const std::string made_from, inputs_of_depth_maps(project));
+      block, [&](ImageId image, int shrink) { return read_grey(file(image), shrink); }, project.settings.densify,
+      masks);
+  COLLINEA_TRY(const std::string made_from, inputs_of_depth_maps(project, masks));
   COLLINEA_TRY(DepthFolder folder, DepthFolder::open(project.folder / "depth", made_from, block, sources));
   COLLINEA_TRY(DepthFolder overviews,
                DepthFolder::open(project.folder / "depth" / "overview", made_from, block, sources));

@@ -4,6 +4,7 @@
 #include "collinea/base/hash.h"
 #include "collinea/base/parallel.h"
 #include "collinea/base/units.h"
+#include "collinea/edit/read_work.h"
 #include "collinea/import/reason.h"
 #include "collinea/raster/image_file.h"
 #include "collinea/steps/step.h"
@@ -18,19 +19,23 @@ struct Detected {
 
 using Images = std::vector<std::pair<ImageId, const Image*>>;
 
-// The fingerprint of an image and the options.
-Result<std::string> made_from(const Project& project, const Image& image) {
+// The fingerprint of an image with its masks and the options.
+Result<std::string> made_from(const Project& project, const Image& image, const MaskRings* masks) {
   return hash_of_file(project.image_file(image)).map([&](std::uint64_t file_hash) {
-    return Hash().add(COLLINEA_VERSION).add(options_text(project.settings, "detect")).add(file_hash).hex();
+    Hash hash;
+    hash.add(COLLINEA_VERSION).add(options_text(project.settings, "detect")).add(file_hash);
+    if (masks) hash.add(masks->text());
+    return hash.hex();
   });
 }
 
 // Images are numbered in the order of their names: an image that was added or taken away changes the numbers of
 // others, and their features must follow them. Returns the fingerprints of the images.
-Result<std::vector<Result<std::string>>> hand_on(Project& project, const Images& images) {
+Result<std::vector<Result<std::string>>> hand_on(Project& project, const Images& images, const ImageMasks& masks) {
   COLLINEA_TRY(const auto done, project.store.features_done());
   std::vector<Result<std::string>> wanted(images.size());
-  parallel_for(project.run, images.size(), [&](std::size_t i) { wanted[i] = made_from(project, *images[i].second); });
+  parallel_for(project.run, images.size(),
+               [&](std::size_t i) { wanted[i] = made_from(project, *images[i].second, masks.of(images[i].first)); });
   if (project.run.stopped()) return fail(Errc::kCancelled, "stopped");
   std::map<std::string, ImageId> owner;
   for (const auto& [id, hash] : done) owner.emplace(hash, id);
@@ -55,9 +60,21 @@ bool is_kept(const Project& project, ImageId id, const Result<std::string>& want
   return true;
 }
 
+void leave_out(const MaskRings& masks, Features& features) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < features.keypoints.size(); ++i) {
+    const Keypoint& keypoint = features.keypoints[i];
+    if (masks.hides({double(keypoint.x), double(keypoint.y)})) continue;
+    features.keypoints[kept] = keypoint;
+    features.descriptors[kept++] = features.descriptors[i];
+  }
+  features.keypoints.resize(kept);
+  features.descriptors.resize(kept);
+}
+
 // An image that cannot be read is skipped, and features that an earlier file of its name had are erased.
-Result<UnitWorked> detect_one(Project& project, ImageId id, const Image& image, const Result<std::string>& wanted,
-                              bool has_features, Detected& detected) {
+Result<UnitWorked> detect_one(Project& project, ImageId id, const Image& image, const MaskRings* masks,
+                              const Result<std::string>& wanted, bool has_features, Detected& detected) {
   const auto path = project.image_file(image);
   const auto skip = [&](Error error) -> Result<UnitWorked> {
     error.message = reason_without_name(error.message, path);
@@ -67,7 +84,8 @@ Result<UnitWorked> detect_one(Project& project, ImageId id, const Image& image, 
   if (!wanted) return skip(wanted.error());
   const auto raster = read_grey(path);
   if (!raster) return skip(raster.error());
-  const Features features = detect_features(*raster, project.settings.detect);
+  Features features = detect_features(*raster, project.settings.detect);
+  if (masks) leave_out(*masks, features);
   detected = {*wanted, features.keypoints.size()};
   COLLINEA_TRY(project.store.write_features(id, features, detected.hash));
   return UnitWorked{};
@@ -94,13 +112,14 @@ Result<StepOutput> output_of(const Project& project, const Images& images, const
 
 Result<StepOutput> detect_step(Project& project, const std::string&) {
   COLLINEA_TRY(const Block setup, project.store.read_setup());
+  COLLINEA_TRY(const ImageMasks masks, read_masks(project));
   Images images;
   for (const auto& [id, image] : setup.images) images.emplace_back(id, &image);
   COLLINEA_TRY(auto done, project.store.features_done());
   const bool anew = done.empty();  // then each image is read only when its turn has come
   std::vector<Result<std::string>> wanted;
   if (!anew) {
-    COLLINEA_TRY(wanted, hand_on(project, images));
+    COLLINEA_TRY(wanted, hand_on(project, images, masks));
     COLLINEA_TRY(done, project.store.features_done());
   }
 
@@ -113,8 +132,9 @@ Result<StepOutput> detect_step(Project& project, const std::string&) {
       .work =
           [&](std::size_t i, const Run&) {
             const auto& [id, image] = images[i];
-            return detect_one(project, id, *image, anew ? made_from(project, *image) : wanted[i], done.contains(id),
-                              detected[i]);
+            const MaskRings* hidden = masks.of(id);
+            return detect_one(project, id, *image, hidden, anew ? made_from(project, *image, hidden) : wanted[i],
+                              done.contains(id), detected[i]);
           }};
   COLLINEA_TRY(const UnitsDone units, run_units(project.run, list, job));
   say_kept(project.run, list, units);

@@ -9,6 +9,7 @@
 #include "collinea/base/file.h"
 #include "collinea/base/hash.h"
 #include "collinea/base/memory.h"
+#include "collinea/edit/read_work.h"
 #include "collinea/project/cost.h"
 #include "collinea/project/given_orientation.h"
 #include "collinea/report/signed_files.h"
@@ -29,6 +30,8 @@ struct StepRow {
   std::vector<const char*> products;  ///< files without which it is not done
   bool reads_setup = false;           ///< control, map and position sigmas too: all that import left in the store
   bool reads_sources = false;         ///< what import was given, with the remarks on it
+  bool reads_masks = false;           ///< of photographs
+  bool reads_patches = false;         ///< of the orthophoto
 
   [[nodiscard]] std::string_view name() const { return word_of(step); }
 };
@@ -39,11 +42,15 @@ constexpr const char* kCloud = "products/cloud.*";  // in the form asked for
 const std::array<StepRow, std::size(kStepWords)>& steps() {
   static const std::array<StepRow, std::size(kStepWords)> all = {{
       {Step::kImport, import_step, {}, {}},
-      {Step::kDetect, detect_step, {Step::kImport}, {}},
+      {.step = Step::kDetect, .work = detect_step, .reads = {Step::kImport}, .products = {}, .reads_masks = true},
       {Step::kMatch, match_step, {Step::kImport, Step::kDetect}, {}},
       {Step::kOrient, orient_step, {Step::kImport, Step::kMatch}, {}, /*reads_setup=*/true},
       {Step::kAdjust, adjust_step, {Step::kOrient}, {"adjustment/adjustment.html"}, /*reads_setup=*/true},
-      {Step::kDensify, densify_step, {Step::kAdjust}, {kCloud, "products/cloud.ply"}},
+      {.step = Step::kDensify,
+       .work = densify_step,
+       .reads = {Step::kAdjust},
+       .products = {kCloud, "products/cloud.ply"},
+       .reads_masks = true},
       {Step::kSurface,
        surface_step,
        {Step::kAdjust, Step::kDensify},
@@ -54,10 +61,12 @@ const std::array<StepRow, std::size(kStepWords)>& steps() {
        {Step::kAdjust, Step::kSurface},
        {"products/dtm.tif", "products/dtm_sigma.tif", "products/dtm_state.tif", "products/dtm_sigma_relative.tif",
         "products/dtm_hillshade.tif"}},
-      {Step::kOrtho,
-       ortho_step,
-       {Step::kAdjust, Step::kSurface, Step::kTerrain},
-       {"products/ortho.tif", "products/ortho_source.tif", "products/seamlines.gpkg"}},
+      {.step = Step::kOrtho,
+       .work = ortho_step,
+       .reads = {Step::kAdjust, Step::kSurface, Step::kTerrain},
+       .products = {"products/ortho.tif", "products/ortho_source.tif", "products/seamlines.gpkg"},
+       .reads_masks = true,
+       .reads_patches = true},
       {Step::kReport,
        report_step,
        {Step::kImport, Step::kDetect, Step::kMatch, Step::kOrient, Step::kAdjust, Step::kDensify, Step::kSurface,
@@ -67,6 +76,16 @@ const std::array<StepRow, std::size(kStepWords)>& steps() {
        /*reads_sources=*/true},
   }};
   return all;
+}
+
+// What a step reads of people's work beside control; empty: nothing.
+Result<std::string> work_text(const Project& project, const StepRow& step) {
+  std::string text;
+  if (!step.reads_masks && !step.reads_patches) return text;
+  COLLINEA_TRY(const EditedWork work, read_work(project));
+  if (step.reads_masks) text += masks_of(work).text();
+  if (step.reads_patches) text += patches_text(work);
+  return text;
 }
 
 Result<std::string> inputs_hash_of(const Project& project, const StepRow& step) {
@@ -87,6 +106,8 @@ Result<std::string> inputs_hash_of(const Project& project, const StepRow& step) 
     COLLINEA_TRY(const std::uint64_t setup, project.store.setup_hash());
     hash.add(setup);
   }
+  COLLINEA_TRY(const std::string work, work_text(project, step));
+  if (!work.empty()) hash.add(work);
   return hash.hex();
 }
 
@@ -111,22 +132,36 @@ Result<std::optional<StepRecord>> earlier_record(Project& project, const StepRow
 
 // What people changed since, where a step at work kept them from the database.
 Result<> take_edits(Project& project, Journal& journal) {
-  COLLINEA_TRY(const std::vector<UnfitEdit> unfit, apply_edits(project.store, journal));
+  COLLINEA_TRY(std::vector<UnfitEdit> unfit, apply_edits(project.store, journal));
   for (const UnfitEdit& edit : unfit)
     project.run.say(fmt::format("note: edit {} is left out: {}: {}", edit.number, edit.command, edit.why.message));
   return {};
 }
 
+template <class... Kinds>
+bool is_of(const Edit& edit) {
+  return (std::holds_alternative<Kinds>(edit) || ...);
+}
+
 // Edits that came while a step was at work may have been seen by it, or not: it counts as made of other inputs, and as
 // another result for the steps behind it, also where they were undone since.
 Result<bool> was_edited(const Project& project, const StepRow& step, std::uint64_t last_edit) {
-  COLLINEA_TRY(const std::uint64_t now, project.store.last_edit());
-  return step.reads_setup && now != last_edit;
+  if (!step.reads_setup && !step.reads_masks && !step.reads_patches) return false;
+  Journal journal(project.folder);
+  COLLINEA_TRY(journal.refresh());
+  for (const EditEntry& entry : journal.history().entries()) {
+    if (entry.number <= last_edit) continue;
+    const Edit& edit = entry.target > 0 ? journal.history().at(entry.target).edit : entry.edit;
+    if (step.reads_setup && !point_of(edit).empty()) return true;
+    if (step.reads_masks && is_of<MaskImage, UnmaskImage>(edit)) return true;
+    if (step.reads_patches && is_of<PatchSeams, UnpatchSeams>(edit)) return true;
+  }
+  return false;
 }
 
 Result<> do_step(Project& project, const StepRow& step, Journal& journal) {
   COLLINEA_TRY(take_edits(project, journal));
-  COLLINEA_TRY(const std::uint64_t last_edit, project.store.last_edit());
+  const std::uint64_t last_edit = journal.number();
   COLLINEA_TRY(const std::string inputs_hash, inputs_hash_of(project, step));
   COLLINEA_TRY(const auto before, earlier_record(project, step));
   if (before && before->inputs_hash == inputs_hash && products_exist(project, step, *before)) {

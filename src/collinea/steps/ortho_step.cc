@@ -2,10 +2,13 @@
 #include <fmt/format.h>
 
 #include "collinea/base/file.h"
+#include "collinea/base/hash.h"
+#include "collinea/edit/read_work.h"
 #include "collinea/project/product_frame.h"
 #include "collinea/project/seamlines_file.h"
 #include "collinea/radiometry/view.h"
 #include "collinea/raster/image_file.h"
+#include "collinea/steps/internal/kept_orthophoto_file.h"
 #include "collinea/steps/step.h"
 
 namespace collinea {
@@ -38,6 +41,33 @@ OrthoRecord record_of(const Project& project, const OrthoSummary& summary, const
   return record;
 }
 
+// In the order in which they lie over each other. One of a photograph without orientation cannot be made.
+std::vector<SeamPolygon> patches_of(const Project& project, const Block& block, const EditedWork& work) {
+  std::vector<SeamPolygon> patches;
+  const auto oriented = oriented_images(block);
+  for (const SeamPatch& patch : work.patches) {
+    const auto at = std::ranges::find(oriented, patch.image, [](const auto& one) { return one.image; });
+    if (at == oriented.end()) {
+      project.run.say(
+          fmt::format("note: patch {} is left out: {} is not oriented", patch.name, block.images.at(patch.image).file));
+      continue;
+    }
+    patches.push_back({std::uint16_t(at - oriented.begin() + 1), {patch.ring_m}});
+  }
+  return patches;
+}
+
+Result<std::string> inputs_but_patches(const Project& project, const ImageMasks& masks) {
+  Hash hash;
+  hash.add(COLLINEA_VERSION).add(options_text(project.settings, "ortho"));
+  if (const auto& given = project.settings.ortho.seamlines) hash.add(std::uint64_t{hash_of_file(*given).value_or(0)});
+  for (const char* earlier : {"adjust", "surface", "terrain"}) {
+    COLLINEA_TRY(const auto record, project.store.read_step(earlier));
+    hash.add(record ? record->output_hash : "");
+  }
+  return hash.add(masks.text()).hex();
+}
+
 }  // namespace
 
 Result<StepOutput> ortho_step(Project& project, const std::string& inputs_hash) {
@@ -58,6 +88,10 @@ Result<StepOutput> ortho_step(Project& project, const std::string& inputs_hash) 
   };
   SeamGuides guides;
   if (terrain.read) guides.terrain = &terrain;
+  COLLINEA_TRY(const EditedWork work, read_work(project));
+  const ImageMasks masks = masks_of(work);
+  guides.masks = &masks;
+  guides.patches = patches_of(project, block, work);
   std::vector<SeamPolygon> given;
   if (const auto& path = project.settings.ortho.seamlines) {
     std::vector<ImageId> oriented;
@@ -66,10 +100,17 @@ Result<StepOutput> ortho_step(Project& project, const std::string& inputs_hash) 
     guides.given = &given;
   }
   const OrthoFiles files{products / "ortho.tif", products / "ortho_source.tif"};
+  COLLINEA_TRY(const std::string inputs, inputs_but_patches(project, masks));
+  const auto earlier = read_kept(project.folder, inputs, files);
+  if (earlier) guides.earlier = &*earlier;
   COLLINEA_TRY(const OrthoSummary summary,
                make_orthophoto(block, product_frame.frame_or_null(), surface, guides, pixels, product_frame.pixel_m,
                                files, project.settings.ortho, project.run));
   COLLINEA_TRY(keep_seamlines(project, block, summary));
+  COLLINEA_TRY(write_kept(project.folder, inputs, files, summary.kept));
+  if (summary.kept_tiles > 0)
+    project.run.say(
+        fmt::format("ortho: {} of {} tiles kept from before", summary.kept_tiles, summary.kept.tallies.size()));
   return StepOutput{inputs_hash, record_of(project, summary, given)};
 }
 

@@ -117,11 +117,13 @@ SeamPlan::Part SeamPlan::part(const MapGrid& grid, const CellArea& area) const {
   Part result{Raster<std::uint16_t>(area.width, area.height), Raster<std::uint16_t>(area.width, area.height)};
   if (source.empty()) {
     fill(given, grid, area.column, area.row, result.source, result.below);
+    fill(patches, grid, area.column, area.row, result.source, result.below);
     return result;
   }
   for (int y = std::max(0, -area.row); y < area.height && (area.row + y) / kCoarse < source.height; ++y)
     for (int x = std::max(0, -area.column); x < area.width && (area.column + x) / kCoarse < source.width; ++x)
       result.source.at(x, y) = source.at((area.column + x) / kCoarse, (area.row + y) / kCoarse);
+  fill(patches, grid, area.column, area.row, result.source, result.below);
   return result;
 }
 

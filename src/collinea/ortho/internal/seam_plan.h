@@ -14,8 +14,9 @@ namespace collinea {
 struct SeamPlan {
   static constexpr int kCoarse = SeamWindow::kCoarse;  ///< cells of the orthophoto along a cell of the plan
 
-  Raster<std::uint16_t> source;    ///< found: 1 + index of the view; 0: none
-  std::vector<SeamPolygon> given;  ///< instead, when source is empty
+  Raster<std::uint16_t> source;           ///< found: 1 + index of the view; 0: none
+  std::vector<SeamPolygon> given;         ///< instead, when source is empty
+  std::vector<SeamPolygon> patches = {};  ///< over either, the later ones on top
 
   /// What is wanted in a part of the orthophoto's grid, also beside it; and, where given polygons overlap, what is
   /// wanted next if the first cannot be had.

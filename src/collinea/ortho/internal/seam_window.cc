@@ -102,7 +102,7 @@ void colour_block(const OrthoPatch& patch, const OrthoScene& coarse, std::size_t
     if (std::isnan(patch.heights_m.at(x, y))) continue;
     const Eigen::Vector3d position = patch.world_at(x, y);
     const auto pixel = pixel_of(view, position);
-    if (!pixel || !well_inside(view, *pixel)) continue;
+    if (!pixel || !shows(view, *pixel)) continue;
     SeamWindow::Choice& choice = choices[cell];
     choice.has_colour = true;
     const std::array<float, 3> factor = coarse.balance.factor(v, view, position, *pixel);

@@ -77,7 +77,7 @@ bool Visibility::on_image(std::size_t view, int x, int y) const {
       layer.imaged[std::size_t(y / kBlock * patch_.blocks_across() + x / kBlock)] == State::kAll)
     return true;
   const auto pixel = pixel_of(*views_[view], patch_.world_at(x, y));
-  return pixel && well_inside(*views_[view], *pixel);
+  return pixel && shows(*views_[view], *pixel);
 }
 
 bool Visibility::hidden(const View& view, int x, int y) const {
@@ -89,6 +89,7 @@ bool Visibility::hidden(const View& view, int x, int y) const {
 }
 
 bool Visibility::whole_block_on_image(const View& view, int block_x, int block_y) const {
+  if (view.masks) return false;  // a mask may lie anywhere in it
   const float low_m = block_low_.at(block_x, block_y), high_m = block_high_.at(block_x, block_y);
   for (int corner = 0; corner < 8; ++corner) {
     const double x = (block_x + (corner & 1)) * kBlock, y = (block_y + (corner >> 1 & 1)) * kBlock;

@@ -23,6 +23,15 @@ struct ChannelTable {
   };
   [[nodiscard]] Interpolation interpolation_at(const Eigen::Vector2d& at) const;
   [[nodiscard]] std::array<float, 3> at(const Eigen::Vector2d& position) const;
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    visit("origin", &ChannelTable::origin);
+    visit("step", &ChannelTable::step);
+    visit("width", &ChannelTable::width);
+    visit("height", &ChannelTable::height);
+    visit("values", &ChannelTable::values);
+  }
 };
 
 struct ChannelValues {

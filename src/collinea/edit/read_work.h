@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "collinea/base/result.h"
+#include "collinea/block/image_masks.h"
+#include "collinea/edit/edited_work.h"
+#include "collinea/project/project.h"
+
+namespace collinea {
+
+/// What the journal of a project says beside control. `unfit` (may be null) takes edits that do not fit. Errors: the
+/// journal or the setup cannot be read.
+[[nodiscard]] Result<EditedWork> read_work(const Project& project, std::vector<UnfitEdit>* unfit = nullptr);
+
+/// The masks of a work.
+[[nodiscard]] ImageMasks masks_of(const EditedWork& work);
+/// Those of a project.
+[[nodiscard]] Result<ImageMasks> read_masks(const Project& project);
+
+}  // namespace collinea
