@@ -33,7 +33,8 @@ struct Plane {
   [[nodiscard]] double height(double x, double y) const { return at.z() + slope.dot(Vector2d(x, y) - at.head<2>()); }
 };
 
-Result<> write_raster(const std::filesystem::path& file, const MapGrid& grid, const std::function<double(double, double)>& value) {
+Result<> write_raster(const std::filesystem::path& file, const MapGrid& grid,
+                      const std::function<double(double, double)>& value) {
   FloatImage cells(grid.width, grid.height, 1);
   for (int y = 0; y < grid.height; ++y)
     for (int x = 0; x < grid.width; ++x) cells.at(x, y) = float(value(grid.east_of(x + 0.5), grid.north_of(y + 0.5)));
@@ -59,8 +60,11 @@ std::optional<Vector3d> seen_by_block(const MarkingScene& scene, ControlId id) {
   std::sort(images.begin(), images.end());
   std::vector<SightLine> lines;
   for (std::size_t i = 0; i < std::min(images.size(), VertexPlotter::kNearest); ++i)
-    lines.push_back({&scene.block.camera_of(images[i].second), pose_of(scene.block, images[i].second),
-                     *scene.seen(images[i].second, id), 1, {}});
+    lines.push_back({&scene.block.camera_of(images[i].second),
+                     pose_of(scene.block, images[i].second),
+                     *scene.seen(images[i].second, id),
+                     1,
+                     {}});
   const auto found = intersect(lines);
   return found ? std::optional(found->point_in_world) : std::nullopt;
 }
@@ -93,7 +97,7 @@ struct MeanSquare {
 TEST(PlottedVertex, CovariancesAreThoseOfTheErrorsAloneAndTogether) {
   MeanSquare stereo, mono, on_surface, together, distance, cloud;
   const TestFolder folder;
-  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 120; ++seed) {
     const MarkingScene scene = marking_scene(seed);
     Random random(seed, 21);
     const ControlId a{0}, b{1}, c{2}, d{3};
@@ -135,11 +139,10 @@ TEST(PlottedVertex, CovariancesAreThoseOfTheErrorsAloneAndTogether) {
     const auto measured = figures.measure(FigureKind::kDistance);
     ASSERT_TRUE(measured);
     const double is = (scene.points.at(a) - scene.points.at(d)).norm();
-    distance.add(VectorXd::Constant(1, measured->value - is), Eigen::MatrixXd::Constant(1, 1, std::pow(*measured->sigma, 2)));
+    distance.add(VectorXd::Constant(1, measured->value - is),
+                 Eigen::MatrixXd::Constant(1, 1, std::pow(*measured->sigma, 2)));
   }
-  ASSERT_GT(stereo.count, 100);
-  std::printf("%d: %.3f %.3f %.3f %.3f %.3f %.3f\n", stereo.count, stereo.sum / stereo.count, mono.sum / mono.count,
-              on_surface.sum / on_surface.count, cloud.sum / cloud.count, together.sum / together.count, distance.sum / distance.count);
+  ASSERT_GT(stereo.count, 80);
   stereo.expect(3, "stereo");
   mono.expect(3, "mono");
   on_surface.expect(3, "surface");
