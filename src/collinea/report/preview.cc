@@ -19,15 +19,15 @@ namespace {
 constexpr int kJpegQuality = 85;
 constexpr int kPreviewSide_px = 900;
 
-using LayerColour = std::array<double, 3>;
+using Colour = std::array<double, 3>;
 
 // Dark blue to light yellow, evenly brighter: reads in grey print as well.
-LayerColour ramp(double t) {
-  constexpr std::array<LayerColour, 6> kColours = {
+Colour ramp(double t) {
+  constexpr std::array<Colour, 6> kColours = {
       {{38, 44, 96}, {34, 94, 128}, {46, 138, 128}, {112, 176, 102}, {196, 206, 102}, {250, 240, 178}}};
   const double at = std::clamp(t, 0.0, 1.0) * (kColours.size() - 1);
   const auto i = std::min(std::size_t(at), kColours.size() - 2);
-  LayerColour colour;
+  Colour colour;
   for (std::size_t c = 0; c < 3; ++c)
     colour[c] = kColours[i][c] + (at - double(i)) * (kColours[i + 1][c] - kColours[i][c]);
   return colour;
@@ -62,7 +62,7 @@ Raster<std::uint8_t> shaded(const FloatImage& heights, std::optional<double> cel
     for (int x = 0; x < heights.width; ++x) {
       const float value = heights.at(x, y);
       if (!std::isfinite(value)) continue;
-      const LayerColour colour = ramp((value - low) / std::max(1e-9, high - low));
+      const Colour colour = ramp((value - low) / std::max(1e-9, high - low));
       const double facing = cell_m ? hillshade_at(heights, x, y, *cell_m) * std::numbers::sqrt2 : 1;  // 1 on a plane
       const double light = 0.35 + 0.65 * std::min(facing, 1.35);
       for (int c = 0; c < 3; ++c)
@@ -136,7 +136,7 @@ std::string height_scale(const Preview& preview, const std::string& unit, int de
   constexpr int kSteps = 60;
   Svg svg(460, 40, "Heights");
   for (int i = 0; i < kSteps; ++i) {
-    const LayerColour c = ramp((i + 0.5) / kSteps);
+    const Colour c = ramp((i + 0.5) / kSteps);
     svg.rectangle(60 + 340.0 * i / kSteps, 4, 340.0 / kSteps + 0.5, 14, "swatch",
                   fmt::format("#{:02x}{:02x}{:02x}", int(c[0]), int(c[1]), int(c[2])));
   }
