@@ -259,7 +259,7 @@ Result<PlottedVertex> VertexPlotter::plot_one(const GivenVertex& asked) {
   return vertex;
 }
 
-// By what it would be if it were plotted now, but where it was drawn, and as good as it was then.
+// As good as its marks are now, but where it was drawn; without marks as good as it was then.
 Result<PlottedVertex> VertexPlotter::plot_one(const RepeatedVertex& asked) {
   PlottedVertex vertex{.position = asked.vertex.position,
                        .position_in_world = in_world(asked.vertex.position),
@@ -277,7 +277,7 @@ std::optional<VertexErrors> VertexPlotter::as_drawn(const RepeatedVertex& asked,
   const bool is_marked = drawn.source == VertexSource::kStereo || drawn.source == VertexSource::kMono;
   if (is_marked && asked.marks.size() == drawn.marks.size() && !asked.marks.empty()) {
     const auto again = plot_one(MarkedVertex{asked.marks});
-    if (again && again->errors) errors.by_pose = again->errors->by_pose;
+    if (again && again->errors) return again->errors;
   } else if (drawn.source == VertexSource::kSurface || drawn.source == VertexSource::kCloud) {
     errors.by_pose = moved_by_poses(position_in_world);
   }
