@@ -336,9 +336,10 @@ try {
   const second = await context.newPage();
   await second.goto(base);
   for (const [name, test] of Object.entries(tests)) {
+    const began = Date.now();
     try {
       await test({ page, second, context, browser, folder: project, project: held, shots });
-      console.log(`ok      ${name}`);
+      console.log(`ok      ${name} (${((Date.now() - began) / 1000).toFixed(1)} s)`);
     } catch (error) {
       ++failed;
       console.log(`FAILED  ${name}\n${error?.stack ?? error}`);
