@@ -6,6 +6,7 @@ import { mkdirSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join, resolve } from "node:path";
 
+import { drawingTests } from "./drawing_tests.mjs";
 import { readValue } from "./height.mjs";
 import { standIn } from "./stand_in.mjs";
 import { browserAt, makeProject, serve, startBrowser } from "./station.mjs";
@@ -207,6 +208,8 @@ const tests = {
     assert.equal(await page.getByText(/cannot be shown/).count(), 0);
   },
 
+  ...drawingTests,
+
   async "the language is switched and kept"({ page }) {
     await page.getByLabel("Language").selectOption("de");
     await page.getByRole("navigation", { name: "Ansichten" }).getByRole("link", { name: "Karte" }).waitFor();
@@ -338,7 +341,7 @@ try {
   for (const [name, test] of Object.entries(tests)) {
     const began = Date.now();
     try {
-      await test({ page, second, context, browser, folder: project, project: held, shots });
+      await test({ page, second, context, browser, folder: project, project: held, program, shots });
       console.log(`ok      ${name} (${((Date.now() - began) / 1000).toFixed(1)} s)`);
     } catch (error) {
       ++failed;

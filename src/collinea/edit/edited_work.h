@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "collinea/base/id.h"
+#include "collinea/vector/drawing.h"
 
 namespace collinea {
 
@@ -28,6 +29,7 @@ struct SeamPatch {
 struct EditedWork {
   std::vector<ImageMask> masks;    ///< in the order of their edits
   std::vector<SeamPatch> patches;  ///< the same: where two overlap, the later one holds
+  Drawing drawing;
 };
 
 /// A text that is equal only of equal patches; for fingerprints.
