@@ -11,6 +11,7 @@
 #include "collinea/edit/edit_history.h"
 #include "collinea/edit/edited_point.h"
 #include "collinea/edit/unfit_edit.h"
+#include "collinea/vector/drawing.h"
 
 namespace collinea {
 
@@ -32,6 +33,7 @@ struct SeamPatch {
 struct EditedWork {
   std::vector<ImageMask> masks;    ///< in the order of their edits
   std::vector<SeamPatch> patches;  ///< the same: where two overlap, the later one holds
+  Drawing drawing;
 };
 
 /// A text that is equal only of equal patches; for fingerprints.
