@@ -14,7 +14,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Matrix36 = Eigen::Matrix<double, 3, 6>;
 
-constexpr std::size_t kNeighbours = 6;  // of a vertex, that hold the images named to each other
+constexpr std::size_t kNeighbours = 4;  // of a vertex, that hold the images named to each other
 
 // What is left of everything without what the poses add: nothing below zero.
 Matrix3d left_of(const Matrix3d& all, const Matrix3d& of_poses) {

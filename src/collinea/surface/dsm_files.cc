@@ -21,6 +21,7 @@ Result<> start(std::optional<GeoTiffWriter<T>>& writer, const std::filesystem::p
   typename GeoTiffWriter<T>::Options options;
   options.nodata = nodata;
   options.description = description;
+  if constexpr (std::is_same_v<T, float>) options.overviews = Overviews::kMean;  // heights and sigmas are looked at
   COLLINEA_TRY(writer, GeoTiffWriter<T>::create(path, grid, 1, options));
   return {};
 }

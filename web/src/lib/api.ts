@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Requests to the server, one function each.
 import type {
-  Control, Edits, Images, MapInfo, MarkKind, OptionGroup, OptionValues, Places, Project, ProjectName, Refined, Residual, Settings, TiePoint, Vector2,
+  Control, Edits, Images, MapInfo, MarkKind, NextMark, OptionGroup, OptionValues, Places, Project, ProjectName, Refined, Residual, Settings, TiePoint, Vector2, Work,
 } from "./types";
 import type { Ground, StereoMark, StereoPlace } from "./stereo_types";
 import type { AskedVertex, Drawing, FigureKind, MeasuredFigure, MeasuredProfile, MeasuredVolume, Vertex } from "./drawing_types";
@@ -49,6 +49,10 @@ export const residuals = (id: string, image: number): Promise<{ points: Residual
 export const ties = (id: string, most: number): Promise<{ points: TiePoint[] }> => ask(`${base(id)}/ties?most=${most}`);
 
 export const control = (id: string): Promise<Control> => ask(`${base(id)}/control`);
+/** With the tests that all marks have as they are now: seconds the first time. */
+export const controlNow = (id: string): Promise<Control> => ask(`${base(id)}/control/now`);
+export const nextMark = (id: string): Promise<{ next: NextMark | null }> => ask(`${base(id)}/control/next`);
+export const work = (id: string): Promise<Work> => ask(`${base(id)}/work`);
 export const places = (id: string, point: string): Promise<Places> =>
   ask(`${base(id)}/control/${encodeURIComponent(point)}/places`);
 export const refine = (id: string, image: number, pixel: Vector2, kind: MarkKind): Promise<Refined> =>
@@ -57,8 +61,9 @@ export const edits = (id: string, since = 0): Promise<Edits> => ask(`${base(id)}
 /** A command of control and marks, as docs/manual/serve.md lists them. */
 export const edit = (id: string, command: string[]): Promise<{ number: number }> => ask(`${base(id)}/edits`, { command });
 
-export const vertices = (id: string, asked: AskedVertex[]): Promise<{ vertices: (Vertex | { error: string })[] }> =>
-  ask(`${base(id)}/vertices`, { vertices: asked });
+/** With the pixels at which a photograph shows them where one is named. */
+export const vertices = (id: string, asked: AskedVertex[], image?: number): Promise<{ vertices: (Vertex | { error: string })[] }> =>
+  ask(`${base(id)}/vertices`, { vertices: asked, ...(image === undefined ? {} : { image }) });
 /** Several figures of the same vertices: those that they have, and why not the others. */
 export const figures = (id: string, kinds: FigureKind[], asked: AskedVertex[]): Promise<{ figures: (MeasuredFigure | { kind: FigureKind; error: string })[] }> =>
   ask(`${base(id)}/figures`, { figures: kinds, vertices: asked });

@@ -2,13 +2,14 @@
 // Footprints, projection centres, control and its differences as features of OpenLayers.
 import Feature from "ol/Feature";
 import LineString from "ol/geom/LineString";
+import MultiPoint from "ol/geom/MultiPoint";
 import Point from "ol/geom/Point";
 import Polygon from "ol/geom/Polygon";
 import VectorLayer from "ol/layer/Vector";
 import VectorSource from "ol/source/Vector";
 import { Circle, Fill, RegularShape, Stroke, Style, Text } from "ol/style";
 
-import type { ControlPoint, ImageInfo, Vector2 } from "../../lib/types";
+import type { ControlPoint, ImageInfo, Patch, Vector2 } from "../../lib/types";
 
 // Over photographs of any colour: each has a light rim.
 const colours = { footprint: "#1d6fa5", centre: "#0b4f7a", control: "#c2185b", check: "#e07b00", difference: "#d50000", chosen: "#ffd400" };
@@ -85,6 +86,31 @@ export function differences(points: ControlPoint[], factor: number): VectorLayer
   ];
   const styles = { plan: style(colours.difference), height: style("#6a1b9a", [4, 3]) };
   return new VectorLayer({ source: new VectorSource({ features: lines }), style: (feature) => (feature.get("kind") === "plan" ? styles.plan : styles.height) });
+}
+
+/** Patches of the orthophoto with their photographs, and the outline of one that is being drawn. */
+export function patchLayers(): { patchLayer: VectorLayer; outlineLayer: VectorLayer; patches: (all: Patch[]) => void; outline: (points: Vector2[]) => void } {
+  const [ofPatches, ofOutline] = [new VectorSource(), new VectorSource()];
+  const line = (color: string, width: number, dash?: number[]): Stroke => new Stroke({ color, width, ...(dash ? { lineDash: dash } : {}) });
+  const over = (color: string): Style[] => [new Style({ stroke: line("#222222", 4) }), new Style({ stroke: line(color, 2), fill: new Fill({ color: "rgba(255, 255, 255, 0.06)" }) })];
+  const corner = new Circle({ radius: 4, fill: new Fill({ color: colours.chosen }), stroke: new Stroke({ color: "#222222", width: 1.5 }) });
+  const corners = new Style({ image: corner, geometry: (feature) => new MultiPoint(feature.get("points") as Vector2[]) });
+  return {
+    patchLayer: new VectorLayer({
+      source: ofPatches,
+      style: (feature) => [...over("#ff9d3b"), new Style({ text: named(String(feature.get("label"))) })],
+    }),
+    outlineLayer: new VectorLayer({ source: ofOutline, style: [...over(colours.chosen), corners], zIndex: 9 }),
+    patches: (all) => {
+      ofPatches.clear();
+      ofPatches.addFeatures(all.map((one) => new Feature({ geometry: new Polygon([[...one.ring, one.ring[0] as Vector2]]), label: `${one.name}: ${one.file}` })));
+    },
+    outline: (points) => {
+      ofOutline.clear();
+      const [first] = points;
+      if (first) ofOutline.addFeature(new Feature({ geometry: new Polygon([[...points, first]]), points }));
+    },
+  };
 }
 
 /** Where was clicked. */
