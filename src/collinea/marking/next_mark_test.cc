@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "collinea/adjust/test_block.h"
-#include "collinea/quality/internal/test_examine.h"
 
 namespace collinea {
 namespace {

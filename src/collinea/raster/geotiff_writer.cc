@@ -99,6 +99,7 @@ Result<> GeoTiffWriter<T>::State::add_overviews() const {
   if (factors.empty()) return {};
   const GdalErrors errors;
   const GdalDataset file(GDALOpen(part.c_str(), GA_Update));
+  CPLSetThreadLocalConfigOption("ZLEVEL_OVERVIEW", "1");  // 1 % larger in a third less of the time
   const char* const how = options.overviews == Overviews::kNearest ? "NEAREST" : "AVERAGE";
   if (!file ||
       GDALBuildOverviews(file.get(), how, int(factors.size()), factors.data(), 0, nullptr, nullptr, nullptr) != CE_None)

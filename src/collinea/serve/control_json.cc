@@ -262,16 +262,16 @@ std::optional<MarkTests> tests_in(const BlockMarkTest& test) {
 Result<std::string> control_now_json(const ProjectView& view) {
   COLLINEA_TRY(const AdjustedMarks now, view.adjusted_with_marks());
   json all = {{"points", json::array()}, {"sigma0", number(now.sigma0)}};
-  std::map<ControlId, std::size_t> place;  // in the order of the control
+  std::map<ControlId, std::size_t> index_of;  // in the order of the control
   for (const auto& [id, point] : view.control) {
-    const AdjustedMark& adjusted = now.points[place.size()];
-    place.emplace(id, place.size());
+    const AdjustedMark& adjusted = now.points[index_of.size()];
+    index_of.emplace(id, index_of.size());
     all["points"].push_back(point_now_json(view, point, adjusted, now.placed));
   }
   std::map<ControlId, std::size_t> next;
   for (const ControlObservation& mark : view.marks) {
-    const auto at = place.find(mark.point);
-    if (at == place.end()) continue;
+    const auto at = index_of.find(mark.point);
+    if (at == index_of.end()) continue;
     const auto& tests = now.points[at->second].marks;
     const std::size_t i = next[mark.point]++;
     if (view.block.images.contains(mark.image) && i < tests.size())

@@ -220,7 +220,6 @@ class Terrain {
     const MapGrid& grid = summary_.grid;
     GeoTiffWriter<float>::Options of_height, of_sigma;
     of_height.nodata = of_sigma.nodata = double(kNoHeight);
-    of_height.overviews = of_sigma.overviews = Overviews::kMean;
     of_height.description = band::kTerrainHeight;
     of_sigma.description = band::kHeightSigma;
     GeoTiffWriter<float>::Options of_relative = of_sigma;

@@ -17,6 +17,9 @@ const rim = new Stroke({ color: "#ffffff", width: 3 });
 const labelsBelow = 200; // so many features with names in view can be read
 
 const font = "12px system-ui, sans-serif";
+/** Names give way to each other, whatever layer they are of; symbols stay. */
+const declutter = "names";
+const always = "none" as const;
 const named = (text: string): Text => new Text({ text, font, offsetY: -13, fill: new Fill({ color: "#111111" }), stroke: rim, overflow: true });
 
 export function footprints(images: ImageInfo[]): VectorLayer {
@@ -36,11 +39,11 @@ export function centres(images: ImageInfo[]): VectorLayer {
     .filter((image) => image.position)
     .map((image) => new Feature({ geometry: new Point((image.position as number[]).slice(0, 2)), image: image.id, name: image.file, oriented: image.oriented }));
   const shape = (color: string): RegularShape =>
-    new RegularShape({ points: 3, radius: 6, fill: new Fill({ color }), stroke: new Stroke({ color: "#ffffff", width: 1.5 }) });
+    new RegularShape({ points: 3, radius: 6, declutterMode: always, fill: new Fill({ color }), stroke: new Stroke({ color: "#ffffff", width: 1.5 }) });
   const shapes = { yes: shape(colours.centre), no: shape("#777777") };
   return new VectorLayer({
     source: new VectorSource({ features }),
-    declutter: true,
+    declutter,
     style: (feature) => new Style({ image: feature.get("oriented") ? shapes.yes : shapes.no, ...(features.length < labelsBelow ? { text: named(String(feature.get("name"))) } : {}) }),
   });
 }
@@ -60,11 +63,12 @@ export function controlPoints(points: ControlPoint[]): VectorLayer {
   });
   const white = new Stroke({ color: "#ffffff", width: 2 });
   const shapes = {
-    control: new RegularShape({ points: 3, radius: 8, fill: new Fill({ color: colours.control }), stroke: white }),
-    check: new Circle({ radius: 6, fill: new Fill({ color: colours.check }), stroke: white }),
+    control: new RegularShape({ points: 3, radius: 8, declutterMode: always, fill: new Fill({ color: colours.control }), stroke: white }),
+    check: new Circle({ radius: 6, declutterMode: always, fill: new Fill({ color: colours.check }), stroke: white }),
   };
   return new VectorLayer({
     source: new VectorSource({ features }),
+    declutter,
     style: (feature) => new Style({ image: feature.get("role") === "check" ? shapes.check : shapes.control, text: named(String(feature.get("control"))), zIndex: 3 }),
   });
 }
@@ -98,6 +102,7 @@ export function patchLayers(): { patchLayer: VectorLayer; outlineLayer: VectorLa
   return {
     patchLayer: new VectorLayer({
       source: ofPatches,
+      declutter,
       style: (feature) => [...over("#ff9d3b"), new Style({ text: named(String(feature.get("label"))) })],
     }),
     outlineLayer: new VectorLayer({ source: ofOutline, style: [...over(colours.chosen), corners], zIndex: 9 }),
