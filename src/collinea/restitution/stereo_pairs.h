@@ -23,10 +23,10 @@ struct StereoChoice {
 
 /// Of a person who sets the floating mark, in each photograph.
 inline constexpr double kPointing_px = 0.5;
-/// What can be seen in stereo. Eyes fuse what differs little: beyond 35 degrees walls and trees look too different from
-/// the two sides (Kraus: base to height to 0.6 for plotting); below 2 degrees a pixel is 30 pixels of height. Of images
+/// What can be seen in stereo. Eyes fuse what differs little: beyond 30 degrees walls and trees look too different from
+/// the two sides (base to height of 0.54); below 2 degrees a pixel is 30 pixels of height. Of images
 /// that differ in scale by more than kMostScale the coarser one decides, and the other is wasted.
-inline constexpr double kLeastConvergence_rad = 0.035, kMostConvergence_rad = 0.61, kMostScale = 1.6;
+inline constexpr double kLeastConvergence_rad = 0.035, kMostConvergence_rad = 0.52, kMostScale = 1.6;
 /// Of the size of an image: nearer to its rim there is too little around the place.
 inline constexpr double kRim = 0.05;
 inline constexpr std::size_t kMostStereoChoices = 24;
