@@ -20,6 +20,7 @@ struct Seen {
   ImageId image;
   Vector3d from_place;  // to the projection centre
   double gsd_m = 0;
+  double from_middle = 0;
   bool is_hidden = false;
   LinearPixel linear;
 };
@@ -36,7 +37,8 @@ std::optional<Seen> seen_in(const MarkingBlock& in, ImageId image, const Vector3
   const Eigen::Matrix2d squares = linear->by_point * linear->by_point.transpose();
   const double gsd = std::pow(squares.determinant(), -0.25);
   if (!std::isfinite(gsd)) return std::nullopt;
-  return Seen{image, way, gsd, is_hidden(in.surface, place, centre_of(pose)), *linear};
+  const double from_middle = 2 * (share - Vector2d(0.5, 0.5)).cwiseAbs().maxCoeff();
+  return Seen{image, way, gsd, from_middle, is_hidden(in.surface, place, centre_of(pose)), *linear};
 }
 
 double angle_between(const Vector3d& a, const Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
@@ -71,6 +73,7 @@ Result<StereoChoice> choice_of(const MarkingBlock& in, const Seen& one, const Se
   choice.base_to_height = model.pair.base_m / (model.pair.left_from_world * place).z();
   choice.convergence_rad = angle_between(left.from_place, right.from_place);
   choice.sigma_height_m = height_sigma(left, right, poses);
+  choice.from_middle = std::max(left.from_middle, right.from_middle);
   choice.is_hidden = left.is_hidden || right.is_hidden;
   return choice;
 }
@@ -83,6 +86,20 @@ bool can_be_seen(const Seen& one, const Seen& other) {
   const double angle = angle_between(one.from_place, other.from_place);
   const double scale = std::max(one.gsd_m, other.gsd_m) / std::min(one.gsd_m, other.gsd_m);
   return angle >= kLeastConvergence_rad && angle <= kMostConvergence_rad && scale <= kMostScale;
+}
+
+// By the standard deviation; those that are equal within kEqualSigma to the best that is left by what is around the
+// place.
+void put_in_order(std::vector<StereoChoice>& choices) {
+  std::ranges::stable_sort(choices, {},
+                           [](const StereoChoice& one) { return std::pair(one.is_hidden, *one.sigma_height_m); });
+  for (auto next = choices.begin(); next != choices.end(); ++next) {
+    const auto end = std::find_if(next, choices.end(), [&](const StereoChoice& one) {
+      return one.is_hidden != next->is_hidden || *one.sigma_height_m > kEqualSigma * *next->sigma_height_m;
+    });
+    const auto best = std::ranges::min_element(next, end, {}, &StereoChoice::from_middle);
+    std::rotate(next, best, best + 1);
+  }
 }
 
 }  // namespace
@@ -104,8 +121,7 @@ std::vector<StereoChoice> stereo_choices(const MarkingBlock& in, const Vector3d&
       const auto choice = choice_of(in, seen[i], seen[j], place, poses ? &*poses : nullptr);
       if (choice && choice->sigma_height_m) choices.push_back(*choice);
     }
-  std::ranges::stable_sort(choices, {},
-                           [](const StereoChoice& one) { return std::pair(one.is_hidden, *one.sigma_height_m); });
+  put_in_order(choices);
   if (choices.size() > kMostStereoChoices) choices.resize(kMostStereoChoices);
   return choices;
 }

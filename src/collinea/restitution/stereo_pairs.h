@@ -18,6 +18,7 @@ struct StereoChoice {
   double convergence_rad = 0;            ///< angle between the two rays
   std::array<double, 2> gsd_m{};         ///< size of a pixel at the place, across its ray
   std::optional<double> sigma_height_m;  ///< with marks of kPointing_px in both; nothing: poses are not known
+  double from_middle = 0;                ///< of the place in the two images, the larger: 0 in the middle, 1 at the rim
   bool is_hidden = false;                ///< by the surface, in one of them
 };
 
@@ -37,11 +38,13 @@ inline constexpr std::size_t kMostStereoChoices = 24;
 ///     C = (B'WB)^-1 + G A C_poses A'G',    G = (B'WB)^-1 B'W
 ///
 /// with B, A the derivatives of the pixels by point and poses, and C_poses of local_poses(); where the poses have no
-/// covariance by (B'WB)^-1 alone. Among the kMostSeen images that are nearest to the place. At most
+/// covariance by (B'WB)^-1 alone. Of pairs that are equal within kEqualSigma, which nobody notices, the one comes first
+/// that has most around the place: least from_middle. Among the kMostSeen images that are nearest to the place. At most
 /// kMostStereoChoices. Empty: no two images show it so.
 [[nodiscard]] std::vector<StereoChoice> stereo_choices(const MarkingBlock& block,
                                                        const Eigen::Vector3d& position_in_world);
 inline constexpr std::size_t kMostSeen = 14;
+inline constexpr double kEqualSigma = 1.1;
 
 /// The same of two images, whatever their convergence. Errors: not oriented; the place is not in both.
 [[nodiscard]] Result<StereoChoice> stereo_choice(const MarkingBlock& block, ImageId one, ImageId other,

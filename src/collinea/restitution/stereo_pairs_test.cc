@@ -43,7 +43,7 @@ TEST(StereoChoices, TheBestHasTheSmallestStandardDeviationOfTheHeight) {
   const auto choices = stereo_choices(strip.marking(), place);
   ASSERT_GE(choices.size(), 4u);
   for (std::size_t i = 1; i < choices.size(); ++i)
-    EXPECT_LE(*choices[i - 1].sigma_height_m, *choices[i].sigma_height_m);
+    EXPECT_LE(*choices[i - 1].sigma_height_m, kEqualSigma * *choices[i].sigma_height_m);
   for (const StereoChoice& one : choices) {
     EXPECT_GE(one.convergence_rad, kLeastConvergence_rad);
     EXPECT_LE(one.convergence_rad, kMostConvergence_rad);
@@ -55,14 +55,14 @@ TEST(StereoChoices, TheBestHasTheSmallestStandardDeviationOfTheHeight) {
       EXPECT_LE(pixel->y(), (1 - kRim) * camera.height_px);
     }
   }
-  // The widest base that eyes still fuse.
-  const auto widest = std::ranges::max_element(choices, {}, &StereoChoice::convergence_rad);
-  EXPECT_NEAR(choices.front().convergence_rad, widest->convergence_rad, 0.1);
+  // Of equally good pairs the one with most around the place.
+  for (const StereoChoice& one : choices)
+    if (*one.sigma_height_m <= *choices.front().sigma_height_m) EXPECT_GE(one.from_middle, choices.front().from_middle);
 }
 
 // sigma_h = h/b h/f sigma_p of the normal case, sigma_p = sqrt(2) of a mark; tilts of 3 degrees change it by 5 %.
 TEST(StereoChoices, TheStandardDeviationIsThatOfTheNormalCase) {
-  const Strip strip = strip_of(3, 0.6);
+  const Strip strip = strip_of(3, 0.75);
   const auto choices = stereo_choices(strip.marking(), middle_of(strip));
   ASSERT_FALSE(choices.empty());
   const StereoChoice& best = choices.front();
@@ -73,7 +73,7 @@ TEST(StereoChoices, TheStandardDeviationIsThatOfTheNormalCase) {
 
 // Real errors: marks with noise, intersected, miss the height as the choice says.
 TEST(StereoChoices, RealErrorsConfirmTheStandardDeviation) {
-  const Strip strip = strip_of(3, 0.6);
+  const Strip strip = strip_of(3, 0.75);
   const Vector3d place = middle_of(strip);
   const auto choices = stereo_choices(strip.marking(), place);
   ASSERT_FALSE(choices.empty());
@@ -114,7 +114,7 @@ TEST(StereoChoices, WhatTheSurfaceHidesComesLast) {
 }
 
 TEST(StereoChoices, NobodySeesAPlaceFarAway) {
-  const Strip strip = strip_of(3, 0.6);
+  const Strip strip = strip_of(3, 0.75);
   EXPECT_TRUE(stereo_choices(strip.marking(), {1e5, 0, 0}).empty());
   const auto images = oriented_images(strip.block);
   const auto refused = stereo_choice(strip.marking(), images[0].image, images[1].image, {1e5, 0, 0});
