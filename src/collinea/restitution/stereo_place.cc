@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <set>
 
 #include "collinea/math/median.h"
@@ -87,6 +88,33 @@ double reach_of(const Block& block, const StereoModel& model, const Vector3d& pl
 }
 
 }  // namespace
+
+MapHeight heights_about(const HeightField& field) {
+  struct Window {
+    HeightField field;
+    std::optional<FloatImage> heights = {};
+    int left = 0, top = 0;
+  };
+  const auto window = std::make_shared<Window>(Window{field});
+  return [window](const Vector2d& on_map) -> std::optional<double> {
+    constexpr int kReach = 400;
+    const MapGrid& grid = window->field.grid;
+    const double column = grid.column_of(on_map.x()), row = grid.row_of(on_map.y());
+    if (!(column >= 0 && row >= 0 && column < grid.width && row < grid.height)) return std::nullopt;
+    if (!window->heights) {
+      window->left = std::max(int(column) - kReach, 0), window->top = std::max(int(row) - kReach, 0);
+      const int width = std::min(int(column) + kReach, grid.width) - window->left;
+      const int height = std::min(int(row) + kReach, grid.height) - window->top;
+      auto heights = window->field.read(window->left, window->top, width, height);
+      window->heights = heights ? *std::move(heights) : FloatImage();
+    }
+    const FloatImage& heights = *window->heights;
+    const double x = column - window->left, y = row - window->top;
+    if (!(x >= 0 && y >= 0 && x < heights.width && y < heights.height)) return std::nullopt;
+    const float height = height_at(heights, x, y, grid.cell_m);
+    return std::isfinite(height) ? std::optional<double>(height) : std::nullopt;
+  };
+}
 
 Result<StereoPlace> stereo_place(const MarkingBlock& given, const LocalFrame* frame, const MapHeight& surface,
                                  const AskedStereo& asked) {

@@ -12,6 +12,7 @@
 #include "collinea/marking/marking_block.h"
 #include "collinea/restitution/stereo_model.h"
 #include "collinea/restitution/stereo_pairs.h"
+#include "collinea/surface/height_field.h"
 
 namespace collinea {
 
@@ -23,6 +24,10 @@ struct AskedStereo {
 
 /// The height of the surface at a position of the map; nothing where none is known.
 using MapHeight = std::function<std::optional<double>(const Eigen::Vector2d& on_map)>;
+
+/// Those of a raster, kept for 400 cells about the position that is asked for first: what may hide a place stands near
+/// it. Nothing beyond. Not for several threads at once.
+[[nodiscard]] MapHeight heights_about(const HeightField& field);
 
 /// A pair with the mark at the place.
 struct StereoPlace {

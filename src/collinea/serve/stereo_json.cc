@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/serve/stereo_json.h"
 
-#include <algorithm>
 #include <cmath>
-#include <memory>
 #include <stdexcept>
 
 #include "collinea/raster/image_tiles.h"
@@ -33,35 +31,9 @@ MarkingBlock marking_of(const ProjectView& view, const TiedBlock& ties) {
 
 const LocalFrame* frame_of(const ProjectView& view) { return view.frame ? &*view.frame : nullptr; }
 
-// The surface of the project for kReach cells about the position that is asked for first: what may hide a place stands
-// near it. Without a surface nothing.
 MapHeight surface_of(const ProjectView& view) {
   const auto field = open_height_field(view.project.folder / "products" / "dsm.tif");
-  if (!field) return {};
-  struct Window {
-    HeightField field;
-    std::optional<FloatImage> heights;
-    int left = 0, top = 0;
-  };
-  const auto window = std::make_shared<Window>(Window{*field, std::nullopt});
-  return [window](const Vector2d& on_map) -> std::optional<double> {
-    constexpr int kReach = 400;
-    const MapGrid& grid = window->field.grid;
-    const double column = grid.column_of(on_map.x()), row = grid.row_of(on_map.y());
-    if (!(column >= 0 && row >= 0 && column < grid.width && row < grid.height)) return std::nullopt;
-    if (!window->heights) {
-      window->left = std::max(int(column) - kReach, 0), window->top = std::max(int(row) - kReach, 0);
-      const int width = std::min(int(column) + kReach, grid.width) - window->left;
-      const int height = std::min(int(row) + kReach, grid.height) - window->top;
-      auto heights = window->field.read(window->left, window->top, width, height);
-      window->heights = heights ? *std::move(heights) : FloatImage();
-    }
-    const FloatImage& heights = *window->heights;
-    const double x = column - window->left, y = row - window->top;
-    if (!(x >= 0 && y >= 0 && x < heights.width && y < heights.height)) return std::nullopt;
-    const float height = height_at(heights, x, y, grid.cell_m);
-    return std::isfinite(height) ? std::optional<double>(height) : std::nullopt;
-  };
+  return field ? heights_about(*field) : MapHeight();
 }
 
 void add_covariance(json& out, const std::optional<Matrix3d>& covariance) {
