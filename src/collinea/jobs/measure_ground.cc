@@ -4,7 +4,7 @@
 #include "collinea/block/world_frame.h"
 #include "collinea/raster/image_window.h"
 #include "collinea/restitution/plotted_vertex.h"
-#include "collinea/restitution/stereo_place.h"
+#include "collinea/restitution/stereo_view.h"
 
 namespace collinea {
 namespace {
@@ -45,22 +45,22 @@ Result<GroundReport> measure_ground(const Project& project, const Eigen::Vector2
   const MarkingBlock marking{block, observations, covariances.poses, sigma0};
   const auto field = open_height_field(project.folder / "products" / "dsm.tif");
   COLLINEA_TRY(const auto images, images_named(block, options.images));
-  COLLINEA_TRY(const StereoPlace place,
-               stereo_place(marking, on_earth, field ? heights_about(*field) : MapHeight(), {on_map, images}));
+  COLLINEA_TRY(const StereoView scene,
+               stereo_view(marking, on_earth, field ? heights_about(*field) : MapHeight(), {on_map, images}));
   const PhotoWindow photo = [&](ImageId image, const PixelWindow& window) {
     const Camera& camera = block.camera_of(image);
     return read_grey_window(project.image_file(block.images.at(image)), camera.width_px, camera.height_px, window);
   };
-  COLLINEA_TRY(const GroundMatch match, match_ground(block, place.model, place.mark, photo, options.match));
-  GroundReport report{.files = files_of(block, place.shown), .pair = place.shown, .match = match};
+  COLLINEA_TRY(const GroundMatch match, match_ground(block, scene.model, scene.mark, photo, options.match));
+  GroundReport report{.files = files_of(block, scene.shown), .pair = scene.shown, .match = match};
   VertexPlotter plotter(marking, on_earth, nullptr);
   const double sigma_px = match.mark_sigma_px();
   COLLINEA_TRY(const PlottedVertex vertex,
                plotter.plot(MarkedVertex{
-                   {{place.model.left, match.pixels[0], sigma_px}, {place.model.right, match.pixels[1], sigma_px}}}));
+                   {{scene.model.left, match.pixels[0], sigma_px}, {scene.model.right, match.pixels[1], sigma_px}}}));
   report.position = vertex.position;
   if (const auto covariance = plotter.covariance_in_map(vertex)) report.sigma_m = covariance->diagonal().cwiseSqrt();
-  for (const StereoChoice& pair : place.choices) report.others.push_back({files_of(block, pair), pair});
+  for (const StereoChoice& pair : scene.choices) report.others.push_back({files_of(block, pair), pair});
   return report;
 }
 

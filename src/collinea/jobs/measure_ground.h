@@ -23,7 +23,7 @@ struct GroundOptions {
 };
 
 /// The ground at a place of the map, as a mark that a stereoplotter sets on it (match_ground()): from the height of the
-/// surface, or of tie points, by the best pair (stereo_place()). The mark keeps its place in the left photograph, so
+/// surface, or of tie points, by the best pair (stereo_view()). The mark keeps its place in the left photograph, so
 /// that the position moves in plan as the height does. Errors: kBadInput, no such images; those of both.
 [[nodiscard]] Result<GroundReport> measure_ground(const Project& project, const Eigen::Vector2d& on_map,
                                                   const GroundOptions& options);

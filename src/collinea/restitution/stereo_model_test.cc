@@ -29,14 +29,14 @@ std::vector<ImageId> ids_of(const Block& block) {
 Block strip() { return make_survey(testing::strip_of_three())->block; }
 
 // A mark of every place lies, by formula and by lattice, where the core projects the place into both photographs.
-void expect_marks_where_projected(const Block& block, const StereoModel& model, int places) {
+void expect_marks_where_projected(const Block& block, const StereoModel& model, int positions) {
   const auto left = pixel_lattice(block.camera_of(model.left), model.pair.left_from_image, model.pair.left);
   const auto right = pixel_lattice(block.camera_of(model.right), model.pair.right_from_image, model.pair.right);
   ASSERT_TRUE(left && right);
   EXPECT_LE(std::max(left->error_px, right->error_px), kLatticeError_px);
   Random random(5, 1);
-  for (int i = 0, found = 0; found < places; ++i) {
-    ASSERT_LT(i, 100 * places);
+  for (int i = 0, found = 0; found < positions; ++i) {
+    ASSERT_LT(i, 100 * positions);
     const StereoMark mark{random.uniform() * model.pair.left.width_px, random.uniform() * model.pair.left.height_px,
                           model.pair.disparity_at(80 * (1 + random.uniform()))};
     const auto pixels = model.pixels_of(block, mark);

@@ -18,27 +18,27 @@ using Eigen::Vector3d;
 /// An image that shows the place.
 struct Seen {
   ImageId image;
-  Vector3d from_place;  // to the projection centre
+  Vector3d to_centre;  // to the projection centre
   double gsd_m = 0;
   double from_middle = 0;
   bool is_hidden = false;
   LinearPixel linear;
 };
 
-std::optional<Seen> seen_in(const MarkingBlock& in, ImageId image, const Vector3d& place, double rim) {
+std::optional<Seen> seen_in(const MarkingBlock& in, ImageId image, const Vector3d& position, double rim) {
   const Camera& camera = in.block.camera_of(image);
   const Rigid3 pose = pose_of(in.block, image);
-  const auto linear = linear_pixel(camera, pose, place);
+  const auto linear = linear_pixel(camera, pose, position);
   if (!linear || !linear->pixel.allFinite()) return std::nullopt;
   const Vector2d size(camera.width_px, camera.height_px), share = linear->pixel.cwiseQuotient(size);
   if (!(share.minCoeff() >= rim && share.maxCoeff() <= 1 - rim)) return std::nullopt;
-  const Vector3d way = centre_of(pose) - place;
+  const Vector3d way = centre_of(pose) - position;
   // A pixel on the ground: across the ray the image moves by the singular values of its derivatives.
   const Eigen::Matrix2d squares = linear->by_point * linear->by_point.transpose();
   const double gsd = std::pow(squares.determinant(), -0.25);
   if (!std::isfinite(gsd)) return std::nullopt;
   const double from_middle = 2 * (share - Vector2d(0.5, 0.5)).cwiseAbs().maxCoeff();
-  return Seen{image, way, gsd, from_middle, is_hidden(in.surface, place, centre_of(pose)), *linear};
+  return Seen{image, way, gsd, from_middle, is_hidden(in.surface, position, centre_of(pose)), *linear};
 }
 
 double angle_between(const Vector3d& a, const Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
@@ -65,13 +65,13 @@ std::optional<double> height_sigma(const Seen& one, const Seen& other, const Loc
   return std::isfinite(variance) && variance > 0 ? std::optional(std::sqrt(variance)) : std::nullopt;
 }
 
-Result<StereoChoice> choice_of(const MarkingBlock& in, const Seen& one, const Seen& other, const Vector3d& place,
+Result<StereoChoice> choice_of(const MarkingBlock& in, const Seen& one, const Seen& other, const Vector3d& position,
                                const LocalPoses* poses) {
   COLLINEA_TRY(const StereoModel model, StereoModel::of(in.block, one.image, other.image));
   const Seen &left = model.left == one.image ? one : other, &right = model.left == one.image ? other : one;
   StereoChoice choice{.images = {left.image, right.image}, .gsd_m = {left.gsd_m, right.gsd_m}};
-  choice.base_to_height = model.pair.base_m / (model.pair.left_from_world * place).z();
-  choice.convergence_rad = angle_between(left.from_place, right.from_place);
+  choice.base_to_height = model.pair.base_m / (model.pair.left_from_world * position).z();
+  choice.convergence_rad = angle_between(left.to_centre, right.to_centre);
   choice.sigma_height_m = height_sigma(left, right, poses);
   choice.from_middle = std::max(left.from_middle, right.from_middle);
   choice.is_hidden = left.is_hidden || right.is_hidden;
@@ -83,7 +83,7 @@ std::optional<LocalPoses> poses_of(const MarkingBlock& in, const std::vector<Ima
 }
 
 bool can_be_seen(const Seen& one, const Seen& other) {
-  const double angle = angle_between(one.from_place, other.from_place);
+  const double angle = angle_between(one.to_centre, other.to_centre);
   const double scale = std::max(one.gsd_m, other.gsd_m) / std::min(one.gsd_m, other.gsd_m);
   return angle >= kLeastConvergence_rad && angle <= kMostConvergence_rad && scale <= kMostScale;
 }
@@ -104,11 +104,11 @@ void put_in_order(std::vector<StereoChoice>& choices) {
 
 }  // namespace
 
-std::vector<StereoChoice> stereo_choices(const MarkingBlock& in, const Vector3d& place) {
+std::vector<StereoChoice> stereo_choices(const MarkingBlock& in, const Vector3d& position) {
   std::vector<Seen> seen;
   for (const OrientedImage& image : oriented_images(in.block))
-    if (const auto one = seen_in(in, image.image, place, kRim)) seen.push_back(*one);
-  std::ranges::stable_sort(seen, {}, [](const Seen& one) { return std::pair(one.is_hidden, one.from_place.norm()); });
+    if (const auto one = seen_in(in, image.image, position, kRim)) seen.push_back(*one);
+  std::ranges::stable_sort(seen, {}, [](const Seen& one) { return std::pair(one.is_hidden, one.to_centre.norm()); });
   if (seen.size() > kMostSeen) seen.resize(kMostSeen);
   std::vector<ImageId> images;
   for (const Seen& one : seen) images.push_back(one.image);
@@ -118,7 +118,7 @@ std::vector<StereoChoice> stereo_choices(const MarkingBlock& in, const Vector3d&
   for (std::size_t i = 0; i < seen.size(); ++i)
     for (std::size_t j = i + 1; j < seen.size(); ++j) {
       if (!can_be_seen(seen[i], seen[j])) continue;
-      const auto choice = choice_of(in, seen[i], seen[j], place, poses ? &*poses : nullptr);
+      const auto choice = choice_of(in, seen[i], seen[j], position, poses ? &*poses : nullptr);
       if (choice && choice->sigma_height_m) choices.push_back(*choice);
     }
   put_in_order(choices);
@@ -126,12 +126,12 @@ std::vector<StereoChoice> stereo_choices(const MarkingBlock& in, const Vector3d&
   return choices;
 }
 
-Result<StereoChoice> stereo_choice(const MarkingBlock& in, ImageId one, ImageId other, const Vector3d& place) {
+Result<StereoChoice> stereo_choice(const MarkingBlock& in, ImageId one, ImageId other, const Vector3d& position) {
   COLLINEA_TRY([[maybe_unused]] const StereoModel model, StereoModel::of(in.block, one, other));
-  const auto first = seen_in(in, one, place, 0), second = seen_in(in, other, place, 0);
-  if (!first || !second) return fail(Errc::kIllPosed, "the place is not in both photographs");
+  const auto first = seen_in(in, one, position, 0), second = seen_in(in, other, position, 0);
+  if (!first || !second) return fail(Errc::kIllPosed, "the position is not in both photographs");
   const auto poses = poses_of(in, {std::min(one, other), std::max(one, other)});
-  return choice_of(in, *first, *second, place, poses ? &*poses : nullptr);
+  return choice_of(in, *first, *second, position, poses ? &*poses : nullptr);
 }
 
 }  // namespace collinea

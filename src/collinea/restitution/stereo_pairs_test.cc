@@ -39,8 +39,8 @@ Vector3d middle_of(const Strip& strip) {
 
 TEST(StereoChoices, TheBestHasTheSmallestStandardDeviationOfTheHeight) {
   const Strip strip = strip_of(6, 0.85);
-  const Vector3d place = middle_of(strip);
-  const auto choices = stereo_choices(strip.marking(), place);
+  const Vector3d position = middle_of(strip);
+  const auto choices = stereo_choices(strip.marking(), position);
   ASSERT_GE(choices.size(), 4u);
   for (std::size_t i = 1; i < choices.size(); ++i)
     EXPECT_LE(*choices[i - 1].sigma_height_m, kEqualSigma * *choices[i].sigma_height_m);
@@ -49,7 +49,7 @@ TEST(StereoChoices, TheBestHasTheSmallestStandardDeviationOfTheHeight) {
     EXPECT_LE(one.convergence_rad, kMostConvergence_rad);
     for (const ImageId image : one.images) {
       const Camera& camera = strip.block.camera_of(image);
-      const auto pixel = project(camera, pose_of(strip.block, image) * place);
+      const auto pixel = project(camera, pose_of(strip.block, image) * position);
       ASSERT_TRUE(pixel);
       EXPECT_GE(pixel->x(), kRim * camera.width_px);
       EXPECT_LE(pixel->y(), (1 - kRim) * camera.height_px);
@@ -74,11 +74,11 @@ TEST(StereoChoices, TheStandardDeviationIsThatOfTheNormalCase) {
 // Real errors: marks with noise, intersected, miss the height as the choice says.
 TEST(StereoChoices, RealErrorsConfirmTheStandardDeviation) {
   const Strip strip = strip_of(3, 0.75);
-  const Vector3d place = middle_of(strip);
-  const auto choices = stereo_choices(strip.marking(), place);
+  const Vector3d position = middle_of(strip);
+  const auto choices = stereo_choices(strip.marking(), position);
   ASSERT_FALSE(choices.empty());
   const StereoModel model = *StereoModel::of(strip.block, choices[0].images[0], choices[0].images[1]);
-  const StereoMark mark = *model.mark_at(place);
+  const StereoMark mark = *model.mark_at(position);
   Random random(8, 1);
   constexpr int kTrials = 2000;
   double squares = 0;
@@ -86,7 +86,7 @@ TEST(StereoChoices, RealErrorsConfirmTheStandardDeviation) {
     const double left = kPointing_px * random.normal(), right = kPointing_px * random.normal();
     const double row = kPointing_px * random.normal() / std::sqrt(2.0);  // of both, in the mean
     const auto at = model.position_in_world({mark.x + left, mark.y + row, mark.parallax + left - right});
-    squares += std::pow((at->z() - place.z()) / *choices[0].sigma_height_m, 2);
+    squares += std::pow((at->z() - position.z()) / *choices[0].sigma_height_m, 2);
   }
   // chi-squared over n has the standard deviation sqrt(2 / n): four of them, and 4 % for pixels of the pair that are
   // not quite those of the photographs
@@ -95,18 +95,18 @@ TEST(StereoChoices, RealErrorsConfirmTheStandardDeviation) {
 
 TEST(StereoChoices, WhatTheSurfaceHidesComesLast) {
   const Strip strip = strip_of(4, 0.8);
-  const Vector3d place = middle_of(strip);
-  const auto open = stereo_choices(strip.marking(), place);
+  const Vector3d position = middle_of(strip);
+  const auto open = stereo_choices(strip.marking(), position);
   ASSERT_GE(open.size(), 2u);
   // A wall beside the place, on the side of the image at the left of the best pair.
   const Vector3d centre = centre_of(pose_of(strip.block, open[0].images[0]));
   MarkingBlock marking = strip.marking();
-  const Eigen::Vector2d way = (centre - place).head<2>();
+  const Eigen::Vector2d way = (centre - position).head<2>();
   marking.surface = [&](const Eigen::Vector2d& at) -> std::optional<double> {
-    const double along = (at - place.head<2>()).dot(way) / way.squaredNorm();
-    return along > 0.1 && along < 0.2 ? 100.0 : place.z();
+    const double along = (at - position.head<2>()).dot(way) / way.squaredNorm();
+    return along > 0.1 && along < 0.2 ? 100.0 : position.z();
   };
-  const auto choices = stereo_choices(marking, place);
+  const auto choices = stereo_choices(marking, position);
   ASSERT_FALSE(choices.empty());
   EXPECT_FALSE(choices.front().is_hidden);
   EXPECT_NE(choices.front().images, open.front().images);

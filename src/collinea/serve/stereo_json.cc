@@ -151,20 +151,20 @@ Result<AskedGround> asked_ground(std::string_view body) {
 Result<std::string> stereo_json(const ProjectView& view, const AskedStereo& asked) {
   COLLINEA_TRY(const auto ties, view.ties());
   const MarkingBlock marking = marking_of(view, *ties);
-  COLLINEA_TRY(const StereoPlace place, stereo_place(marking, frame_of(view), surface_of(view), asked));
+  COLLINEA_TRY(const StereoView scene, stereo_view(marking, frame_of(view), surface_of(view), asked));
   const Block& block = ties->block;
-  const EpipolarPair& geometry = place.model.pair;
-  json out = of_choice(block, place.shown);
+  const EpipolarPair& geometry = scene.model.pair;
+  json out = of_choice(block, scene.shown);
   out["focal_px"] = number(geometry.left.focal_px());
   out["base_m"] = number(geometry.base_m);
   out["left_from_world"] = of_pose(geometry.left_from_world);
-  out["left"] = of_side(block, place.model.left, geometry.left, place.left);
-  out["right"] = of_side(block, place.model.right, geometry.right, place.right);
-  out["map"] = of_map(place.map);
-  out["mark"] = of_mark(place.mark);
-  add_position(out, view, marking, place.model, place.mark, kPointing_px);
+  out["left"] = of_side(block, scene.model.left, geometry.left, scene.left);
+  out["right"] = of_side(block, scene.model.right, geometry.right, scene.right);
+  out["map"] = of_map(scene.map);
+  out["mark"] = of_mark(scene.mark);
+  add_position(out, view, marking, scene.model, scene.mark, kPointing_px);
   out["pairs"] = json::array();
-  for (const StereoChoice& choice : place.choices) out["pairs"].push_back(of_choice(block, choice));
+  for (const StereoChoice& choice : scene.choices) out["pairs"].push_back(of_choice(block, choice));
   return text_of(out);
 }
 

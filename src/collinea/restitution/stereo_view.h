@@ -30,7 +30,7 @@ using MapHeight = std::function<std::optional<double>(const Eigen::Vector2d& on_
 [[nodiscard]] MapHeight heights_about(const HeightField& field);
 
 /// A pair with the mark at the place.
-struct StereoPlace {
+struct StereoView {
   StereoModel model;
   StereoMark mark;
   Eigen::Vector3d position_in_world;  ///< where the mark is
@@ -45,8 +45,8 @@ struct StereoPlace {
 /// both that is nearest to the middle of those that they share. `frame`: null where the map is the world. Errors:
 /// kBadInput, neither place nor images; kIllPosed, not oriented, no pair shows the place, no tie points; those of
 /// StereoModel::of() and pixel_lattice().
-[[nodiscard]] Result<StereoPlace> stereo_place(const MarkingBlock& block, const LocalFrame* frame,
-                                               const MapHeight& surface, const AskedStereo& asked);
+[[nodiscard]] Result<StereoView> stereo_view(const MarkingBlock& block, const LocalFrame* frame,
+                                             const MapHeight& surface, const AskedStereo& asked);
 inline constexpr std::size_t kNearTies = 9;
 
 }  // namespace collinea
