@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { join } from "node:path";
 
-import { readValue } from "./height.mjs";
+import { rasterOf } from "./height.mjs";
 
 const marked = (page) => page.locator("[data-mark]").evaluate((element) => JSON.parse(element.dataset.mark));
 const painted = (page) => page.waitForFunction(() => Number(document.querySelector(".stage")?.dataset.painted) > 0);
@@ -25,15 +25,17 @@ const ask = (page, path, body) =>
     return await (await fetch(address, how)).json();
   }, [path, body]);
 
-/** Places on open ground: where the surface is smooth for five cells about, as the truth has it. */
-async function openPlaces(page, project, survey, count) {
-  const { points } = await ask(page, `/api/projects/${project.id}/ties?most=400`);
+/** Places in the middle of the block on open ground: where the surface is smooth for five cells about, as the truth has it. */
+async function openPlaces(page, project, heightAt, count) {
+  const { points } = await ask(page, `/api/projects/${project.id}/ties?most=2000`);
+  const quantile = (axis, share) => points.map((one) => one[axis]).sort((a, b) => a - b)[Math.floor(share * (points.length - 1))];
+  const [west, east, south, north] = [quantile(0, 0.25), quantile(0, 0.75), quantile(1, 0.25), quantile(1, 0.75)];
   const places = [];
   for (const [e, n] of points) {
-    const heights = [];
-    for (const [de, dn] of [[0, 0], [-0.8, 0], [0.8, 0], [0, -0.8], [0, 0.8], [-0.8, -0.8], [0.8, 0.8]]) heights.push(await readValue(join(survey, "truth", "dsm.tif"), e + de, n + dn));
+    if (e < west || e > east || n < south || n > north) continue;
+    const heights = [[0, 0], [-0.8, 0], [0.8, 0], [0, -0.8], [0, 0.8], [-0.8, -0.8], [0.8, 0.8]].map(([de, dn]) => heightAt(e + de, n + dn));
     const isOpen = heights.every((height) => Number.isFinite(height)) && Math.max(...heights) - Math.min(...heights) < 0.3;
-    if (isOpen && places.every(([a, b]) => Math.hypot(a - e, b - n) > 2)) places.push([e, n, heights[0]]);
+    if (isOpen && places.every(([a, b]) => Math.hypot(a - e, b - n) > 2)) places.push([e, n]);
     if (places.length === count) break;
   }
   return places;
@@ -47,7 +49,8 @@ async function alike(page, rows) {
     const bitmap = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
     const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
     context.drawImage(bitmap, 0, 0);
-    const grey = (x, y) => context.getImageData(Math.round(x), Math.round(y), 1, 1).data[1];
+    const { data: colours } = context.getImageData(0, 0, bitmap.width, bitmap.height);
+    const grey = (x, y) => colours[4 * (Math.round(y) * bitmap.width + Math.round(x)) + 1];
     const [half, middle] = [bitmap.width / 2, bitmap.height / 2];
     const pairs = [];
     for (let y = -30; y <= 30; y += 2)
@@ -61,6 +64,7 @@ async function alike(page, rows) {
 
 export const stereoTests = {
   async "the best pair is shown, the mark where the core has it"({ page, project }) {
+    await page.setViewportSize({ width: 900, height: 560 }); // the processor does the work of the GPU here
     await page.getByRole("navigation", { name: "Views" }).getByRole("link", { name: "Stereo" }).click();
     await painted(page);
     const box = await page.locator(".stage").boundingBox();
@@ -72,9 +76,7 @@ export const stereoTests = {
       await act();
       await page.waitForFunction((was) => JSON.stringify(JSON.parse(document.querySelector("[data-mark]").dataset.mark).mark) !== was, before);
       const { position, pixels } = await marked(page);
-      const { pairs: _, left, right } = await ask(page, `/api/projects/${project.id}/stereo?at=${position[0]},${position[1]}`).then((one) => one);
       const sides = await page.locator(".stereo aside ul a").evaluateAll((links) => links.map((link) => Number(link.hash.split("/").at(-1))));
-      assert.deepEqual([left.image, right.image].length, sides.length);
       const { vertices } = await ask(page, `/api/projects/${project.id}/vertices`, { vertices: [{ marks: pixels.map((pixel, k) => ({ image: sides[k], pixel })) }] });
       const off = Math.hypot(...position.map((value, k) => value - vertices[0].position[k]));
       // The lattice is good to 0.05 px in each image: of 0.16 m a pixel on the ground, and as much in height by the base.
@@ -85,18 +87,19 @@ export const stereoTests = {
 
   // Nineteen of twenty are meant; fewer than 16 happen once in 400 of such twenties.
   async "heights set on the ground are within their bounds"({ page, project, survey }) {
-    const places = await openPlaces(page, project, survey, 26);
+    const heightAt = await rasterOf(join(survey, "truth", "dsm.tif"));
+    const places = await openPlaces(page, project, heightAt, 26);
     let within = 0;
     let set = 0;
     for (const place of places) {
       await goTo(page, project, place);
-      for (let k = 0; k < 4; ++k) await page.keyboard.press("PageUp"); // a pixel off
+      await page.keyboard.press("Shift+PageUp"); // by 2.5 pixels of parallax
       const answered = page.waitForResponse((one) => one.url().endsWith("/ground"));
       await page.keyboard.press("g");
       if ((await answered).status() !== 200) continue;
       await page.waitForFunction(() => JSON.parse(document.querySelector("[data-mark]").dataset.mark).matched !== null);
       const { position, sigma_m } = await marked(page);
-      const truth = await readValue(join(survey, "truth", "dsm.tif"), position[0], position[1]);
+      const truth = heightAt(position[0], position[1]);
       if (Math.abs(position[2] - truth) <= 1.96 * sigma_m[2]) ++within;
       if (++set === 20) break;
     }
@@ -106,7 +109,7 @@ export const stereoTests = {
   },
 
   async "both eyes see the same ground in the same rows"({ page, project, survey, shots }) {
-    const [place] = await openPlaces(page, project, survey, 1);
+    const [place] = await openPlaces(page, project, await rasterOf(join(survey, "truth", "dsm.tif")), 1);
     await goTo(page, project, place);
     const answered = page.waitForResponse((one) => one.url().endsWith("/ground"));
     await page.keyboard.press("g");

@@ -108,7 +108,7 @@ TEST(StereoModel, PointsAtInfinityAndBehindHaveNoMark) {
   EXPECT_FALSE(model.mark_at(inverse(model.pair.left_from_world) * Vector3d(0, 0, -10)));
 }
 
-TEST(StereoModel, ThePolynomialIsTheMapToATenthOfAMillimetre) {
+TEST(StereoModel, ThePolynomialIsTheMapToAMillimetre) {
   const LocalFrame frame = *LocalFrame::create("EPSG:32633", 47.2, 17.5, 300);  // far from the middle of its zone
   const Vector3d origin(800, -500, 20);
   const MapPolynomial map = map_polynomial(&frame, origin, 1000);

@@ -56,8 +56,11 @@ TEST(StereoChoices, TheBestHasTheSmallestStandardDeviationOfTheHeight) {
     }
   }
   // Of equally good pairs the one with most around the place.
-  for (const StereoChoice& one : choices)
-    if (*one.sigma_height_m <= *choices.front().sigma_height_m) EXPECT_GE(one.from_middle, choices.front().from_middle);
+  for (const StereoChoice& one : choices) {
+    if (*one.sigma_height_m <= *choices.front().sigma_height_m) {
+      EXPECT_GE(one.from_middle, choices.front().from_middle);
+    }
+  }
 }
 
 // sigma_h = h/b h/f sigma_p of the normal case, sigma_p = sqrt(2) of a mark; tilts of 3 degrees change it by 5 %.

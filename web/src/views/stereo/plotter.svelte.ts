@@ -13,6 +13,9 @@ export type Follow = "height" | "contour" | "surface";
 const pointing_px = 0.5;
 const rest_ms = 150;
 
+/** Where each project was looked at last. */
+const looked = new Map<string, { at: Vector2; images: Vector2 }>();
+
 export class Plotter {
   place = $state.raw<StereoPlace | undefined>();
   geometry = $state.raw<Geometry | undefined>();
@@ -69,6 +72,13 @@ export class Plotter {
     } finally {
       if (mine === this.#latest) this.busy = false;
     }
+  }
+
+  /** Goes on where the project was looked at last; false: nowhere yet. */
+  async goOn(): Promise<boolean> {
+    const last = looked.get(this.project);
+    if (last) await this.open(last.at, last.images);
+    return last !== undefined;
   }
 
   /** Another pair at the place of the mark. */
@@ -180,6 +190,7 @@ export class Plotter {
   }
 
   dispose(): void {
+    if (this.place && this.position) looked.set(this.project, { at: [this.position[0], this.position[1]], images: this.place.images });
     clearTimeout(this.#resting);
     ++this.#latest;
   }
