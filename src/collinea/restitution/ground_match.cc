@@ -93,7 +93,7 @@ Rigid3 right_from_world(const EpipolarPair& pair) {
   return pose;
 }
 
-Result<Found> find(const StereoModel& model, const std::array<EpipolarWindow, 2>& parts, std::size_t reference,
+Result<Found> find(const StereoGeometry& model, const std::array<EpipolarWindow, 2>& parts, std::size_t reference,
                    const StereoMark& start, int search_px, const GroundMatchOptions& options) {
   const auto position = model.position_in_world(start);
   if (!position) return fail(Errc::kBadInput, "the mark lies behind the cameras");
@@ -123,7 +123,7 @@ Result<Found> find(const StereoModel& model, const std::array<EpipolarWindow, 2>
 
 double GroundMatch::mark_sigma_px() const { return sigma_px / std::numbers::sqrt2; }
 
-Result<GroundMatch> match_ground(const Block& block, const StereoModel& model, const StereoMark& mark,
+Result<GroundMatch> match_ground(const Block& block, const StereoGeometry& model, const StereoMark& mark,
                                  const PhotoWindow& photo, const GroundMatchOptions& options) {
   if (!model.pixels_of(block, mark)) return fail(Errc::kBadInput, "the mark is not in both photographs");
   // The window, twice as wide where it is stretched, and the search.

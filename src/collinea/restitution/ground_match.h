@@ -9,7 +9,7 @@
 #include "collinea/base/result.h"
 #include "collinea/raster/jpeg_reader.h"
 #include "collinea/raster/raster.h"
-#include "collinea/restitution/stereo_model.h"
+#include "collinea/restitution/stereo_geometry.h"
 
 namespace collinea {
 
@@ -47,7 +47,7 @@ using PhotoWindow = std::function<Result<FloatImage>(ImageId image, const PixelW
 /// epipolar windows, bicubic), and back from the right one. The standard deviation holds the noise that the windows
 /// show and kResampling_px, of the interpolation. Only windows of the photographs are read. Errors: kBadInput, the mark
 /// or its window is not in both; kNotConverged, no or no sure match, and why; those of reading.
-[[nodiscard]] Result<GroundMatch> match_ground(const Block& block, const StereoModel& model, const StereoMark& mark,
+[[nodiscard]] Result<GroundMatch> match_ground(const Block& block, const StereoGeometry& model, const StereoMark& mark,
                                                const PhotoWindow& photo, const GroundMatchOptions& options);
 inline constexpr double kResampling_px = 0.05;
 

@@ -18,13 +18,13 @@ using Eigen::Vector3d;
 
 struct Pair {
   testing::StereoScene scene;
-  StereoModel model;
+  StereoGeometry model;
 };
 
 const Pair& rendered_pair() {
   static const Pair pair = [] {
     testing::StereoScene scene = testing::stereo_scene(testing::strip_of_three(), 2);
-    const auto model = StereoModel::of(scene.block(), scene.greys.begin()->first, scene.greys.rbegin()->first);
+    const auto model = StereoGeometry::of(scene.block(), scene.greys.begin()->first, scene.greys.rbegin()->first);
     return Pair{std::move(scene), *model};
   }();
   return pair;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collinea/restitution/stereo_model.h"
+#include "collinea/restitution/stereo_geometry.h"
 
 namespace collinea {
 namespace {
@@ -67,7 +67,7 @@ std::optional<double> height_sigma(const Seen& one, const Seen& other, const Loc
 
 Result<StereoChoice> choice_of(const MarkingBlock& in, const Seen& one, const Seen& other, const Vector3d& position,
                                const LocalPoses* poses) {
-  COLLINEA_TRY(const StereoModel model, StereoModel::of(in.block, one.image, other.image));
+  COLLINEA_TRY(const StereoGeometry model, StereoGeometry::of(in.block, one.image, other.image));
   const Seen &left = model.left == one.image ? one : other, &right = model.left == one.image ? other : one;
   StereoChoice choice{.images = {left.image, right.image}, .gsd_m = {left.gsd_m, right.gsd_m}};
   choice.base_to_height = model.pair.base_m / (model.pair.left_from_world * position).z();
@@ -127,7 +127,7 @@ std::vector<StereoChoice> stereo_choices(const MarkingBlock& in, const Vector3d&
 }
 
 Result<StereoChoice> stereo_choice(const MarkingBlock& in, ImageId one, ImageId other, const Vector3d& position) {
-  COLLINEA_TRY([[maybe_unused]] const StereoModel model, StereoModel::of(in.block, one, other));
+  COLLINEA_TRY([[maybe_unused]] const StereoGeometry model, StereoGeometry::of(in.block, one, other));
   const auto first = seen_in(in, one, position, 0), second = seen_in(in, other, position, 0);
   if (!first || !second) return fail(Errc::kIllPosed, "the position is not in both photographs");
   const auto poses = poses_of(in, {std::min(one, other), std::max(one, other)});

@@ -13,7 +13,7 @@ namespace collinea {
 
 /// Two images that show a place, and how well they measure its height.
 struct StereoChoice {
-  std::array<ImageId, 2> images;         ///< the left one first (StereoModel)
+  std::array<ImageId, 2> images;         ///< the left one first (StereoGeometry)
   double base_to_height = 0;             ///< base over the mean depth of the place
   double convergence_rad = 0;            ///< angle between the two rays
   std::array<double, 2> gsd_m{};         ///< size of a pixel at the place, across its ray

@@ -80,7 +80,7 @@ TEST(StereoChoices, RealErrorsConfirmTheStandardDeviation) {
   const Vector3d position = middle_of(strip);
   const auto choices = stereo_choices(strip.marking(), position);
   ASSERT_FALSE(choices.empty());
-  const StereoModel model = *StereoModel::of(strip.block, choices[0].images[0], choices[0].images[1]);
+  const StereoGeometry model = *StereoGeometry::of(strip.block, choices[0].images[0], choices[0].images[1]);
   const StereoMark mark = *model.mark_at(position);
   Random random(8, 1);
   constexpr int kTrials = 2000;

@@ -76,7 +76,7 @@ SurfaceHeight surface_in_world(const LocalFrame* frame, const MapHeight& surface
   };
 }
 
-double reach_of(const Block& block, const StereoModel& model, const Vector3d& position) {
+double reach_of(const Block& block, const StereoGeometry& model, const Vector3d& position) {
   constexpr double kMost_m = 5000;
   double reach = 1;
   for (const ImageId image : {model.left, model.right}) {
@@ -123,7 +123,7 @@ Result<StereoView> stereo_view(const MarkingBlock& given, const LocalFrame* fram
     return fail(Errc::kIllPosed, "the images are not oriented yet: bring the project to the step orient first");
   MarkingBlock in = given;
   in.surface = surface_in_world(frame, surface);
-  if (asked.images) COLLINEA_TRY(StereoModel::of(in.block, asked.images->first, asked.images->second));
+  if (asked.images) COLLINEA_TRY(StereoGeometry::of(in.block, asked.images->first, asked.images->second));
   COLLINEA_TRY(const Vector3d position, asked.on_map ? position_on_map(in, frame, surface, *asked.on_map)
                                                      : position_in_both(in, asked.images->first, asked.images->second));
   std::vector<StereoChoice> choices = stereo_choices(in, position);
@@ -135,7 +135,7 @@ Result<StereoView> stereo_view(const MarkingBlock& given, const LocalFrame* fram
   } else {
     shown = choices.front();
   }
-  COLLINEA_TRY(StereoModel model, StereoModel::of(in.block, shown.images[0], shown.images[1]));
+  COLLINEA_TRY(StereoGeometry model, StereoGeometry::of(in.block, shown.images[0], shown.images[1]));
   const auto mark = model.mark_at(position);
   if (!mark) return fail(Errc::kIllPosed, "the position lies behind the cameras");
   const EpipolarPair& pair = model.pair;

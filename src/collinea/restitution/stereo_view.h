@@ -10,7 +10,7 @@
 #include "collinea/base/result.h"
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/marking/marking_block.h"
-#include "collinea/restitution/stereo_model.h"
+#include "collinea/restitution/stereo_geometry.h"
 #include "collinea/restitution/stereo_pairs.h"
 #include "collinea/surface/height_field.h"
 
@@ -31,7 +31,7 @@ using MapHeight = std::function<std::optional<double>(const Eigen::Vector2d& on_
 
 /// A pair with the mark at the place.
 struct StereoView {
-  StereoModel model;
+  StereoGeometry model;
   StereoMark mark;
   Eigen::Vector3d position_in_world;  ///< where the mark is
   StereoChoice shown;                 ///< of this pair
@@ -44,7 +44,7 @@ struct StereoView {
 /// the median height of the kNearTies tie points nearest in plan. Of photographs alone the place is the tie point of
 /// both that is nearest to the middle of those that they share. `frame`: null where the map is the world. Errors:
 /// kBadInput, neither place nor images; kIllPosed, not oriented, no pair shows the place, no tie points; those of
-/// StereoModel::of() and pixel_lattice().
+/// StereoGeometry::of() and pixel_lattice().
 [[nodiscard]] Result<StereoView> stereo_view(const MarkingBlock& block, const LocalFrame* frame,
                                              const MapHeight& surface, const AskedStereo& asked);
 inline constexpr std::size_t kNearTies = 9;

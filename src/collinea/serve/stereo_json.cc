@@ -49,7 +49,7 @@ void add_covariance(json& out, const std::optional<Matrix3d>& covariance) {
 }
 
 // Position and covariance of a mark: the vertex that is plotted by its two pixels.
-void add_position(json& out, const ProjectView& view, const MarkingBlock& marking, const StereoModel& model,
+void add_position(json& out, const ProjectView& view, const MarkingBlock& marking, const StereoGeometry& model,
                   const StereoMark& mark, double sigma_px) {
   const auto pixels = model.pixels_of(marking.block, mark);
   const auto position = model.position_in_world(mark);
@@ -172,7 +172,7 @@ Result<std::string> ground_json(const ProjectView& view, std::string_view body) 
   COLLINEA_TRY(const AskedGround asked, asked_ground(body));
   COLLINEA_TRY(const auto ties, view.ties());
   const MarkingBlock marking = marking_of(view, *ties);
-  COLLINEA_TRY(const StereoModel model, StereoModel::of(ties->block, asked.left, asked.right));
+  COLLINEA_TRY(const StereoGeometry model, StereoGeometry::of(ties->block, asked.left, asked.right));
   if (model.left != asked.left) return fail(Errc::kBadInput, "images: the left one comes first, as in stereo");
   const PhotoWindow photo = [&](ImageId image, const PixelWindow& window) {
     const Camera& camera = ties->block.camera_of(image);

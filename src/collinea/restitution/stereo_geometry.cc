@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collinea/restitution/stereo_model.h"
+#include "collinea/restitution/stereo_geometry.h"
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -41,7 +41,7 @@ Eigen::Matrix<double, 10, 1> terms_of(const Vector3d& u) {
 
 }  // namespace
 
-Result<StereoModel> StereoModel::of(const Block& block, ImageId one, ImageId other) {
+Result<StereoGeometry> StereoGeometry::of(const Block& block, ImageId one, ImageId other) {
   for (const ImageId image : {one, other}) COLLINEA_TRY(check(block, image));
   if (one == other) return fail(Errc::kBadInput, "a pair has two photographs");
   const auto pair_of = [&](ImageId left, ImageId right) {
@@ -54,16 +54,16 @@ Result<StereoModel> StereoModel::of(const Block& block, ImageId one, ImageId oth
     along += (pose_of(block, image).rotation.conjugate() * Vector3d::UnitX()).dot(base);
   const auto [left, right] = along >= 0 ? std::pair(one, other) : std::pair(other, one);
   COLLINEA_TRY(EpipolarPair pair, pair_of(left, right));
-  return StereoModel{left, right, std::move(pair)};
+  return StereoGeometry{left, right, std::move(pair)};
 }
 
-std::optional<Vector3d> StereoModel::position_in_world(const StereoMark& mark) const {
+std::optional<Vector3d> StereoGeometry::position_in_world(const StereoMark& mark) const {
   const double depth = pair.depth_at(mark.parallax);
   if (!(depth > 0) || !std::isfinite(depth)) return std::nullopt;
   return inverse(pair.left_from_world) * (depth * ray_of(pair.left, mark.x, mark.y));
 }
 
-std::optional<StereoMark> StereoModel::mark_at(const Vector3d& position_in_world) const {
+std::optional<StereoMark> StereoGeometry::mark_at(const Vector3d& position_in_world) const {
   const Vector3d in_left = pair.left_from_world * position_in_world;
   if (!(in_left.z() > 0)) return std::nullopt;
   const double f = pair.left.focal_px();
@@ -71,7 +71,7 @@ std::optional<StereoMark> StereoModel::mark_at(const Vector3d& position_in_world
                     f * in_left.y() / in_left.z() + pair.left.params[Camera::kCy], pair.disparity_at(in_left.z())};
 }
 
-std::optional<std::array<Vector2d, 2>> StereoModel::pixels_of(const Block& block, const StereoMark& mark) const {
+std::optional<std::array<Vector2d, 2>> StereoGeometry::pixels_of(const Block& block, const StereoMark& mark) const {
   const Camera &left_camera = block.camera_of(left), &right_camera = block.camera_of(right);
   const Vector2d in_left = pixel_at(left_camera, pair.left_from_image, pair.left, mark.x, mark.y);
   const Vector2d in_right = pixel_at(right_camera, pair.right_from_image, pair.right, mark.x - mark.parallax, mark.y);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collinea/restitution/stereo_model.h"
+#include "collinea/restitution/stereo_geometry.h"
 
 #include <gtest/gtest.h>
 
@@ -14,8 +14,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-StereoModel model_of(const Block& block, std::uint32_t one, std::uint32_t other) {
-  const auto model = StereoModel::of(block, ImageId{one}, ImageId{other});
+StereoGeometry model_of(const Block& block, std::uint32_t one, std::uint32_t other) {
+  const auto model = StereoGeometry::of(block, ImageId{one}, ImageId{other});
   EXPECT_TRUE(model) << model.error().message;
   return *model;
 }
@@ -29,7 +29,7 @@ std::vector<ImageId> ids_of(const Block& block) {
 Block strip() { return make_survey(testing::strip_of_three())->block; }
 
 // A mark of every place lies, by formula and by lattice, where the core projects the place into both photographs.
-void expect_marks_where_projected(const Block& block, const StereoModel& model, int positions) {
+void expect_marks_where_projected(const Block& block, const StereoGeometry& model, int positions) {
   const auto left = pixel_lattice(block.camera_of(model.left), model.pair.left_from_image, model.pair.left);
   const auto right = pixel_lattice(block.camera_of(model.right), model.pair.right_from_image, model.pair.right);
   ASSERT_TRUE(left && right);
@@ -57,14 +57,14 @@ void expect_marks_where_projected(const Block& block, const StereoModel& model, 
   }
 }
 
-TEST(StereoModel, MarksLieWhereTheCoreProjectsThem) {
+TEST(StereoGeometry, MarksLieWhereTheCoreProjectsThem) {
   const Block block = strip();
   const auto ids = ids_of(block);
   expect_marks_where_projected(block, model_of(block, ids[0].value, ids[1].value), 1000);
 }
 
 // Every model of cameras: the lattice is checked against what the model itself says.
-TEST(StereoModel, MarksLieThereWithEveryModelOfCameras) {
+TEST(StereoGeometry, MarksLieThereWithEveryModelOfCameras) {
   Block block = strip();
   const auto ids = ids_of(block);
   Camera& camera = block.cameras.begin()->second;
@@ -78,37 +78,37 @@ TEST(StereoModel, MarksLieThereWithEveryModelOfCameras) {
   expect_marks_where_projected(block, model_of(block, ids[0].value, ids[1].value), 100);
 }
 
-TEST(StereoModel, ThePictureIsUprightWhicheverImageIsNamedFirst) {
+TEST(StereoGeometry, ThePictureIsUprightWhicheverImageIsNamedFirst) {
   const Block block = strip();
   const auto ids = ids_of(block);
-  const StereoModel model = model_of(block, ids[1].value, ids[0].value),
-                    same = model_of(block, ids[0].value, ids[1].value);
+  const StereoGeometry model = model_of(block, ids[1].value, ids[0].value),
+                       same = model_of(block, ids[0].value, ids[1].value);
   EXPECT_EQ(model.left, same.left);
   // Turned against the photograph by a right angle at most.
   const Vector3d row = model.pair.left_from_image * Vector3d::UnitX();
   EXPECT_GT(row.x(), -1e-9);
 }
 
-TEST(StereoModel, RefusesWhatIsNoPair) {
+TEST(StereoGeometry, RefusesWhatIsNoPair) {
   Block block = strip();
   const auto ids = ids_of(block);
-  EXPECT_EQ(StereoModel::of(block, ids[0], ids[0]).error().code, Errc::kBadInput);
-  EXPECT_EQ(StereoModel::of(block, ids[0], ImageId{999}).error().code, Errc::kNotFound);
+  EXPECT_EQ(StereoGeometry::of(block, ids[0], ids[0]).error().code, Errc::kBadInput);
+  EXPECT_EQ(StereoGeometry::of(block, ids[0], ImageId{999}).error().code, Errc::kNotFound);
   remove_pose(block, ids[1]);
-  EXPECT_EQ(StereoModel::of(block, ids[0], ids[1]).error().code, Errc::kIllPosed);
+  EXPECT_EQ(StereoGeometry::of(block, ids[0], ids[1]).error().code, Errc::kIllPosed);
 }
 
-TEST(StereoModel, PointsAtInfinityAndBehindHaveNoMark) {
+TEST(StereoGeometry, PointsAtInfinityAndBehindHaveNoMark) {
   const Block block = strip();
   const auto ids = ids_of(block);
-  const StereoModel model = model_of(block, ids[0].value, ids[1].value);
+  const StereoGeometry model = model_of(block, ids[0].value, ids[1].value);
   const double infinity = model.pair.left.params[Camera::kCx] - model.pair.right.params[Camera::kCx];
   EXPECT_FALSE(model.position_in_world({100, 100, infinity}));
   EXPECT_FALSE(model.position_in_world({100, 100, infinity - 1}));
   EXPECT_FALSE(model.mark_at(inverse(model.pair.left_from_world) * Vector3d(0, 0, -10)));
 }
 
-TEST(StereoModel, ThePolynomialIsTheMapToAMillimetre) {
+TEST(StereoGeometry, ThePolynomialIsTheMapToAMillimetre) {
   const LocalFrame frame = *LocalFrame::create("EPSG:32633", 47.2, 17.5, 300);  // far from the middle of its zone
   const Vector3d origin(800, -500, 20);
   const MapPolynomial map = map_polynomial(&frame, origin, 1000);

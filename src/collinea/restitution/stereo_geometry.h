@@ -26,12 +26,12 @@ struct StereoMark {
 ///     parallax = cx_l - cx_r + f base / z,    X_l = z ((x - cx_l) / f, (y - cy) / f, 1)
 ///
 /// with z the depth in the left camera of the pair (Kraus, Photogrammetry 2, normal case).
-struct StereoModel {
+struct StereoGeometry {
   ImageId left, right;
   EpipolarPair pair;
 
   /// Errors: an image that there is not or that is not oriented; those of epipolar_pair().
-  static Result<StereoModel> of(const Block& block, ImageId one, ImageId other);
+  static Result<StereoGeometry> of(const Block& block, ImageId one, ImageId other);
 
   /// Nothing: the rays of the mark do not meet in front of the cameras.
   [[nodiscard]] std::optional<Eigen::Vector3d> position_in_world(const StereoMark& mark) const;
