@@ -6,6 +6,7 @@ import { mkdirSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join, resolve } from "node:path";
 
+import { drawingTests } from "./drawing_tests.mjs";
 import { readValue } from "./height.mjs";
 import { standIn } from "./stand_in.mjs";
 import { browserAt, makeProject, serve, startBrowser } from "./station.mjs";
@@ -210,6 +211,8 @@ const tests = {
     assert.equal(await page.getByText(/cannot be shown/).count(), 0);
   },
 
+  ...drawingTests,
+
   async "the language is switched and kept"({ page }) {
     await page.getByLabel("Language").selectOption("de");
     await page.getByRole("navigation", { name: "Ansichten" }).getByRole("link", { name: "Karte" }).waitFor();
@@ -340,7 +343,7 @@ try {
   await second.goto(base);
   for (const [name, test] of Object.entries({ ...tests, ...stereoTests })) {
     try {
-      await test({ page, second, context, browser, folder: project, project: held, survey: join(folder, "survey"), shots });
+      await test({ page, second, context, browser, folder: project, project: held, survey: join(folder, "survey"), program, shots });
       console.log(`ok      ${name}`);
     } catch (error) {
       ++failed;

@@ -6,7 +6,6 @@
 
 #include "collinea/edit/edited_work.h"
 #include "collinea/edit/internal/words_in.h"
-#include "collinea/edit/set_attribute.h"
 #include "collinea/io/text.h"
 
 namespace collinea {
