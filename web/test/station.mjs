@@ -47,10 +47,10 @@ export async function serve(program, project, port = 0) {
 /** Where a browser is; nothing where there is none. */
 export const browserAt = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find((path) => existsSync(path));
 
-/** A browser that reaches this machine alone. */
+/** A browser that reaches this machine alone, with WebGL by the processor. */
 export async function startBrowser(chromium) {
   return await chromium.launch({
     executablePath: browserAt,
-    args: ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"],
+    args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking", "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"],
   });
 }
