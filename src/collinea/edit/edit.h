@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "collinea/base/result.h"
+#include "collinea/edit/edit_cloud.h"
 #include "collinea/edit/mark_point.h"
 #include "collinea/edit/mask_image.h"
 #include "collinea/edit/patch_seams.h"
@@ -34,7 +35,7 @@ struct Redo {
 /// with a member `point` change the control point of that name, and nothing else (EditsPoint); others change a part of
 /// EditedWork (EditsWork), or the history.
 using Edit = std::variant<MarkPoint, UnmarkPoint, SetPoint, SetRole, RemovePoint, MaskImage, UnmaskImage, PatchSeams,
-                          UnpatchSeams, Undo, Redo>;
+                          UnpatchSeams, ClassifyCloud, CutCloud, CropCloud, Undo, Redo>;
 
 /// A command that changes a control point.
 template <class Kind>

@@ -34,6 +34,9 @@ std::vector<Words> commands() {
           {"unmask", "M1"},
           {"patch", "S1", "a.jpg", "500000.25", "5300000.5", "500010", "5300000", "500010", "5300010"},
           {"unpatch", "S1"},
+          {"classify", "6", "410.5", "-", "500000.25", "5300000.5", "500010", "5300000", "500010", "5300010"},
+          {"cut", "-", "410.5", "500000.25", "5300000.5", "500010", "5300000", "500010", "5300010"},
+          {"crop", "-1", "1", "0", "0", "10", "0", "10", "5", "0", "5"},
           {"undo"},
           {"redo"}};
 }
@@ -70,7 +73,8 @@ TEST(Edits, AWrongCommandSaysWhatIsWrong) {
   } cases[] = {
       {{}, "no command is given"},
       {{"paint", "P1"},
-       "\"paint\": one of mark, unmark, point, role, remove, mask, unmask, patch, unpatch, undo, redo"},
+       "\"paint\": one of mark, unmark, point, role, remove, mask, unmask, patch, unpatch, classify, cut, crop, undo, "
+       "redo"},
       {{"mark", "P1"}, "mark POINT IMAGE X Y [SIGMA_PX]"},
       {{"mark", "P1", "a.jpg", "1", "2", "3", "4"}, "mark POINT IMAGE"},
       {{"mark", "P1", "a.jpg", "one", "2"}, "X: \"one\""},
@@ -97,6 +101,13 @@ TEST(Edits, AWrongCommandSaysWhatIsWrong) {
       {{"mask", "M", "a.jpg", "5", "5", "5", "5", "5", "5"}, "encloses nothing"},
       {{"mask", "-", "a.jpg", "0", "0", "1", "1", "2", "0"}, "cannot be a new name"},
       {{"patch", "S", "a.jpg", "0", "0", "1", "1", "2", "nan"}, "N: \"nan\""},
+      {{"classify", "256", "-", "-", "0", "0", "1", "1", "2", "0"}, "CLASS: \"256\""},
+      {{"classify", "2.5", "-", "-", "0", "0", "1", "1", "2", "0"}, "CLASS: \"2.5\""},
+      {{"classify"}, "classify CLASS LOW|- HIGH|-"},
+      {{"cut", "2", "1", "0", "0", "1", "1", "2", "0"}, "LOW: the lowest height 2 lies above the highest, 1"},
+      {{"cut", "-", "high", "0", "0", "1", "1", "2", "0"}, "HIGH: \"high\""},
+      {{"crop", "-", "-", "0", "0", "1", "1"}, "crop LOW|- HIGH|-"},
+      {{"crop", "-", "-", "0", "0", "1", "1", "2", "2"}, "encloses nothing"},
       {{"undo", "2"}, "undo"}};
   for (const auto& [words, part] : cases) EXPECT_NE(error_of(words).find(part), std::string::npos) << error_of(words);
 }

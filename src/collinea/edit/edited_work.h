@@ -8,6 +8,7 @@
 
 #include "collinea/base/result.h"
 #include "collinea/block/block.h"
+#include "collinea/cloud/cloud_edits.h"
 #include "collinea/edit/edit_history.h"
 #include "collinea/edit/edited_point.h"
 #include "collinea/edit/unfit_edit.h"
@@ -30,8 +31,9 @@ struct SeamPatch {
 
 /// What edits make beside control. Each kind of edit changes one of the parts.
 struct EditedWork {
-  std::vector<ImageMask> masks;    ///< in the order of their edits
-  std::vector<SeamPatch> patches;  ///< the same: where two overlap, the later one holds
+  std::vector<ImageMask> masks;      ///< in the order of their edits
+  std::vector<SeamPatch> patches;    ///< the same: where two overlap, the later one holds
+  std::vector<CloudRegion> regions;  ///< of the cloud, the same
 };
 
 /// A text that is equal only of equal patches; for fingerprints.
@@ -41,5 +43,8 @@ struct EditedWork {
 /// there is: they are left out.
 [[nodiscard]] EditedWork work_in_force(const EditContext& context, const EditHistory& history,
                                        std::vector<UnfitEdit>* unfit = nullptr);
+
+/// Its regions of the cloud alone, which need nothing of the setup.
+[[nodiscard]] std::vector<CloudRegion> cloud_regions_in_force(const EditHistory& history);
 
 }  // namespace collinea

@@ -32,6 +32,11 @@ class Work : public EditsTest {
       text += "patch " + one.name + " " + setup_.images.at(one.image).file;
       ring(one.ring_m);
     }
+    for (const CloudRegion& one : work.regions) {
+      text += std::string(word_of(one.action)) + std::to_string(one.classification);
+      for (const auto& height : {one.low_m, one.high_m}) text += " " + (height ? exact(*height) : "-");
+      ring(one.ring_m);
+    }
     return text;
   }
 
@@ -43,10 +48,12 @@ std::vector<std::string> any_work(Random& random) {
     return all[random.below(static_cast<std::uint32_t>(all.size()))];
   };
   const std::string name = one_of({"a", "b", "c"}),
-                    kind = one_of({"mask", "mask", "unmask", "patch", "patch", "unpatch"});
+                    kind = one_of({"mask", "mask", "unmask", "patch", "patch", "unpatch", "classify", "cut", "crop"});
   if (kind.starts_with("un")) return {kind, name};
   std::vector<std::string> words = {kind, name, one_of({"photo 0.jpg", "PHOTO 3.JPG"})};
   if (kind == "mask" && random.below(4) == 0) words[2] = "*";
+  if (kind == "classify") words = {kind, std::to_string(random.below(256)), "-", "100"};
+  if (kind == "cut" || kind == "crop") words = {kind, "-3.5", one_of({"-", "12"})};
   for (int i = 0; i < 8; ++i) words.push_back(std::to_string(1000 * random.uniform()));
   return words;
 }
@@ -61,7 +68,7 @@ TEST_F(Work, IsWhatTheEditsInForceMakeWhateverIsUndoneAndRedone) {
     kinds.insert(words[0]);
     states.push_back(now());
   }
-  EXPECT_EQ(kinds.size(), 4u);
+  EXPECT_EQ(kinds.size(), 7u);
   for (std::size_t i = states.size() - 1; i > 0; --i) {
     ASSERT_EQ(make({"undo"}), "");
     EXPECT_EQ(now(), states[i - 1]) << i;

@@ -28,6 +28,13 @@ Result<std::string> EditJournals::edits(const ServedProject& project, std::uint6
   return edits_json(one->journal.history(), since, kMostEntries);
 }
 
+Result<std::vector<CloudRegion>> EditJournals::cloud_regions(const ServedProject& project) {
+  const auto one = kept(project);
+  const std::lock_guard lock(one->mutex);
+  COLLINEA_TRY(one->journal.refresh());
+  return cloud_regions_in_force(one->journal.history());
+}
+
 Result<EditsMade> EditJournals::make(const ServedProject& project, const Edit& edit) {
   const auto one = kept(project);
   const std::lock_guard lock(one->mutex);
