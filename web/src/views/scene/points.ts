@@ -141,6 +141,7 @@ export class CloudPoints {
     geometry.setAttribute("colour", new BufferAttribute(loaded.colours, 4, true));
     geometry.setAttribute("traits", new BufferAttribute(loaded.traits, 4, true));
     geometry.setDrawRange(0, node.points);
+    geometry.boundingSphere = new Sphere(new Vector3(), node.half * Math.sqrt(3));
     const points = new Points(geometry, this.material);
     points.frustumCulled = false;
     points.position.copy(this.#local(node.centre));
