@@ -50,10 +50,10 @@ Result<Edit> parse_edit(std::span<const std::string> words) {
 std::vector<std::string> words_of(const Edit& edit) {
   return std::visit(
       [](const auto& kind) {
-        std::vector<std::string> words = {std::string(kind.kWord)};
         if constexpr (requires { kind.words(); })
-          for (std::string& word : kind.words()) words.push_back(std::move(word));
-        return words;
+          return command_words(kind);
+        else
+          return std::vector<std::string>{std::string(kind.kWord)};
       },
       edit);
 }

@@ -6,12 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "collinea/base/result.h"
-#include "collinea/block/block.h"
+#include "collinea/base/id.h"
 #include "collinea/cloud/cloud_edits.h"
-#include "collinea/edit/edit_history.h"
-#include "collinea/edit/edited_point.h"
-#include "collinea/edit/unfit_edit.h"
 
 namespace collinea {
 
@@ -38,13 +34,5 @@ struct EditedWork {
 
 /// A text that is equal only of equal patches; for fingerprints.
 [[nodiscard]] std::string patches_text(const EditedWork& work);
-
-/// The work that the edits in force make, one after the other. `unfit` (may be null) takes those that do not fit what
-/// there is: they are left out.
-[[nodiscard]] EditedWork work_in_force(const EditContext& context, const EditHistory& history,
-                                       std::vector<UnfitEdit>* unfit = nullptr);
-
-/// Its regions of the cloud alone, which need nothing of the setup.
-[[nodiscard]] std::vector<CloudRegion> cloud_regions_in_force(const EditHistory& history);
 
 }  // namespace collinea

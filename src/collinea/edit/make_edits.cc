@@ -5,7 +5,7 @@
 #include <map>
 
 #include "collinea/base/file.h"
-#include "collinea/edit/edited_work.h"
+#include "collinea/edit/work_in_force.h"
 #include "collinea/project/settings.h"
 
 namespace collinea {

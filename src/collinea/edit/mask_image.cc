@@ -14,7 +14,7 @@ std::vector<std::vector<std::string>> commands_of(const EditContext& context, co
   for (const ImageMask& one : work.masks)
     if (one.name == name)
       commands.push_back(
-          words_of(MaskImage{name, one.image ? context.block().images.at(*one.image).file : "*", one.ring_px}));
+          command_words(MaskImage{name, one.image ? context.block().images.at(*one.image).file : "*", one.ring_px}));
   return commands;
 }
 
@@ -56,7 +56,7 @@ Result<> MaskImage::apply(const EditContext& context, EditedWork& work) const {
 
 std::vector<std::vector<std::string>> MaskImage::restoring(const EditContext& context, const EditedWork& before) const {
   auto commands = commands_of(context, before, mask);
-  if (commands.empty()) commands.push_back(words_of(UnmaskImage{mask}));
+  if (commands.empty()) commands.push_back(command_words(UnmaskImage{mask}));
   return commands;
 }
 

@@ -13,7 +13,7 @@ std::vector<std::vector<std::string>> commands_of(const EditContext& context, co
   std::vector<std::vector<std::string>> commands;
   for (const SeamPatch& one : work.patches)
     if (one.name == name)
-      commands.push_back(words_of(PatchSeams{name, context.block().images.at(one.image).file, one.ring_m}));
+      commands.push_back(command_words(PatchSeams{name, context.block().images.at(one.image).file, one.ring_m}));
   return commands;
 }
 
@@ -53,7 +53,7 @@ Result<> PatchSeams::apply(const EditContext& context, EditedWork& work) const {
 std::vector<std::vector<std::string>> PatchSeams::restoring(const EditContext& context,
                                                             const EditedWork& before) const {
   auto commands = commands_of(context, before, patch);
-  if (commands.empty()) commands.push_back(words_of(UnpatchSeams{patch}));
+  if (commands.empty()) commands.push_back(command_words(UnpatchSeams{patch}));
   return commands;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "collinea/edit/journal.h"
+#include "collinea/edit/work_in_force.h"
 
 namespace collinea {
 

@@ -6,6 +6,7 @@
 #include "collinea/base/result.h"
 #include "collinea/block/image_masks.h"
 #include "collinea/edit/edited_work.h"
+#include "collinea/edit/unfit_edit.h"
 #include "collinea/project/project.h"
 
 namespace collinea {

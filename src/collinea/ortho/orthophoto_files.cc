@@ -18,6 +18,7 @@ Result<OrthoSummary> make_orthophoto(const Block& block, const LocalFrame* frame
     COLLINEA_TRY(image, GeoTiffWriter<std::uint8_t>::create(files.image, grid, 4, as_image));
     GeoTiffWriter<std::uint16_t>::Options as_source;
     as_source.nodata = 0;
+    as_source.overviews = Overviews::kNearest;
     as_source.description = band::kOrthophotoSource;
     COLLINEA_TRY(source, GeoTiffWriter<std::uint16_t>::create(files.source, grid, 1, as_source));
     return {};

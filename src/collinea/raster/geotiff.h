@@ -30,6 +30,10 @@ struct MapGrid {
 /// of a cell. The CRS is not looked at.
 [[nodiscard]] bool same_cells(const MapGrid& a, const MapGrid& b);
 
+/// Smaller copies of a raster inside its file, each half as large as the one before, down to some 512 cells: viewers
+/// read what they show. Of values the mean of those that there are; of numbers that stand for something the nearest.
+enum class Overviews { kNone, kMean, kNearest };
+
 /// Writes a raster on disk block by block (tiled GeoTIFF, DEFLATE, floating-point or byte samples); the file appears
 /// under its name only after finish(). By GDAL.
 template <class T>
@@ -41,8 +45,9 @@ class GeoTiffWriter {
     std::optional<double> nodata = {};
     bool alpha = false;
     bool cloud_optimised = false;
-    std::string description = {};  ///< TIFF ImageDescription: what and in which unit
-    int threads = 1;               ///< that compress a cloud-optimised file; its bytes do not depend on it
+    Overviews overviews = Overviews::kNone;  ///< of rasters that are not cloud-optimised
+    std::string description = {};            ///< TIFF ImageDescription: what and in which unit
+    int threads = 1;                         ///< that compress a cloud-optimised file; its bytes do not depend on it
   };
   static Result<GeoTiffWriter> create(const std::filesystem::path& path, const MapGrid& grid, int channels,
                                       const Options& options);
@@ -64,7 +69,8 @@ extern template class GeoTiffWriter<float>;
 extern template class GeoTiffWriter<std::uint8_t>;
 extern template class GeoTiffWriter<std::uint16_t>;
 
-/// A GeoTIFF opened for reading by windows. Not thread-safe. A file without georeference has cells of 1 and its
+/// A GeoTIFF opened for reading by windows. Not thread-safe. What is resampled comes from the cells themselves, of
+/// bytes (pictures) from overviews where the file has them. A file without georeference has cells of 1 and its
 /// lower-left corner at (0, 0).
 class GeoTiffReader {
  public:

@@ -117,6 +117,13 @@ Result<GeoTiffReader> GeoTiffReader::open(const std::filesystem::path& path) {
   if (!reader.state_->dataset)
     return errors.error(Errc::kBadFormat,
                         "reading " + path.string() + " as GeoTIFF (convert rasters of other formats)");
+  if (const GDALRasterBandH band = GDALGetRasterBand(reader.state_->dataset.get(), 1);
+      band && GDALGetRasterDataType(band) != GDT_Byte && GDALGetOverviewCount(band) > 0) {
+    const char* const itself[] = {"OVERVIEW_LEVEL=NONE", nullptr};
+    reader.state_->dataset.reset(
+        GDALOpenEx(path.c_str(), GDAL_OF_READONLY | GDAL_OF_RASTER | GDAL_OF_VERBOSE_ERROR, drivers, itself, nullptr));
+    if (!reader.state_->dataset) return errors.error(Errc::kBadFormat, "reading " + path.string());
+  }
   if (Result<> verdict = reader.state_->read_description(); !verdict) return tl::unexpected(std::move(verdict).error());
   return reader;
 }

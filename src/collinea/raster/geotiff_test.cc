@@ -105,6 +105,41 @@ TEST(GeoTiff, ACloudOptimisedOrthophotoIsExactAndHasOverviews) {
   EXPECT_NEAR(small.at(100, 100, 0), 127.5, 80);  // the mean of 16 random bytes: 4 sigma are 74
 }
 
+// Resampled values come from the cells: a mean of means of unequal numbers of known cells would be another one.
+TEST(GeoTiff, OverviewsAreForViewersAndLeaveWhatIsReadAlone) {
+  const TestFolder folder;
+  const MapGrid grid{500'000, 5'300'000, 0.25, 1500, 1100, ""};
+  FloatImage heights(grid.width, grid.height);
+  for (int y = 0; y < grid.height; ++y)
+    for (int x = 0; x < grid.width; ++x)
+      heights.at(x, y) = (x * 7 + y * 3) % 11 == 0 ? -9999 : float(x % 97) + 0.1F * float(y % 31);
+  Raster<std::uint16_t> sources(grid.width, grid.height);
+  for (std::size_t i = 0; i < sources.data.size(); ++i) sources.data[i] = std::uint16_t(i % 7 == 0 ? 40'000 : 3);
+  for (const Overviews overviews : {Overviews::kNone, Overviews::kMean, Overviews::kNearest}) {
+    const std::string name = std::to_string(int(overviews)) + ".tif";
+    auto writer = GeoTiffWriter<float>::create(folder / name, grid, 1, {.nodata = -9999, .overviews = overviews});
+    auto source =
+        GeoTiffWriter<std::uint16_t>::create(folder / ("s" + name), grid, 1, {.nodata = 0, .overviews = overviews});
+    ASSERT_TRUE(writer && source);
+    ASSERT_TRUE(writer->write(0, 0, heights) && writer->finish());
+    ASSERT_TRUE(source->write(0, 0, sources) && source->finish());
+    EXPECT_FALSE(std::filesystem::exists(folder / (name + ".ovr")));
+    const GDALDatasetH file = GDALOpen((folder / name).c_str(), GA_ReadOnly);
+    ASSERT_NE(file, nullptr);
+    EXPECT_EQ(GDALGetOverviewCount(GDALGetRasterBand(file, 1)), overviews == Overviews::kNone ? 0 : 2);
+    GDALClose(file);
+  }
+  const auto plain = GeoTiffReader::open(folder / "0.tif"), with = GeoTiffReader::open(folder / "1.tif");
+  ASSERT_TRUE(plain && with);
+  EXPECT_EQ(with->read_float(0, 0, grid.width, grid.height)->data, heights.data);
+  EXPECT_EQ(with->read_known(0, 0, 1500, 1100, 150, 110)->data.size(), 150u * 110u);
+  const auto a = plain->read_float(0, 0, 1500, 1100, 150, 110), b = with->read_float(0, 0, 1500, 1100, 150, 110);
+  EXPECT_EQ(a->data, b->data);
+  const auto s = GeoTiffReader::open(folder / "s2.tif");
+  ASSERT_TRUE(s);
+  EXPECT_EQ(s->read_float(0, 0, 1500, 1100)->at(0, 0), 40'000);
+}
+
 TEST(GeoTiff, TheSameInputMakesTheSameBytes) {
   const TestFolder folder;
   const ColourImage ortho = mosaic(1500, 1200, 3);

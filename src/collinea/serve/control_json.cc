@@ -195,12 +195,11 @@ const ControlDifference* difference_of(const ProjectView& view, ControlId id) {
 // Of the two coordinates; NaN counts as not known.
 double larger(const Vector2d& v) { return std::fmax(v.x(), v.y()); }
 
-json mark_json(const ProjectView& view, const ControlObservation& mark) {
+json mark_json(const ProjectView& view, const ControlObservation& mark, const std::optional<MarkTests>& tests) {
   json one = {{"image", mark.image.value},       {"file", view.block.images.at(mark.image).file},
               {"pixel", rounded(mark.pixel, 3)}, {"sigma_px", number(mark.sigma_px)},
               {"residual_px", nullptr},          {"w", nullptr},
               {"redundancy", nullptr},           {"detectable_px", nullptr}};
-  const auto tests = view.tests_of(mark);
   if (!tests) return one;
   one["residual_px"] = rounded(tests->residual_px, 4);
   one["w"] =
@@ -210,15 +209,19 @@ json mark_json(const ProjectView& view, const ControlObservation& mark) {
   return one;
 }
 
+json given_json(const ProjectView& view, const ControlPoint& point) {
+  return {{"name", point.name},
+          {"role", point.role == ControlRole::kControl ? "control" : "check"},
+          {"position", rounded(view.frame ? point.position_in_map : point.position_in_world, 5)},
+          {"sigma_m", vector(point.sigma_m)},
+          {"adjusted", nullptr},
+          {"difference_m", nullptr},
+          {"difference_sigma_m", nullptr},
+          {"marks", json::array()}};
+}
+
 json point_json(const ProjectView& view, ControlId id, const ControlPoint& point) {
-  json one = {{"name", point.name},
-              {"role", point.role == ControlRole::kControl ? "control" : "check"},
-              {"position", rounded(view.frame ? point.position_in_map : point.position_in_world, 5)},
-              {"sigma_m", vector(point.sigma_m)},
-              {"adjusted", nullptr},
-              {"difference_m", nullptr},
-              {"difference_sigma_m", nullptr},
-              {"marks", json::array()}};
+  json one = given_json(view, point);
   // A point of the same number may have been renamed or given anew since the adjustment.
   const auto adjusted = view.block.control.find(id);
   const ControlDifference* difference =
@@ -240,11 +243,52 @@ std::string control_json(const ProjectView& view) {
   json all = {{"points", json::array()}, {"sigma0", view.adjustment ? number(view.adjustment->sigma0) : json(nullptr)}};
   std::map<ControlId, json> marks;
   for (const ControlObservation& mark : view.marks)
-    if (view.block.images.contains(mark.image)) marks[mark.point].push_back(mark_json(view, mark));
+    if (view.block.images.contains(mark.image)) marks[mark.point].push_back(mark_json(view, mark, view.tests_of(mark)));
   for (const auto& [id, point] : view.control) {
     json one = point_json(view, id, point);
     if (const auto found = marks.find(id); found != marks.end()) one["marks"] = std::move(found->second);
     all["points"].push_back(std::move(one));
+  }
+  return text_of(all);
+}
+
+namespace {
+
+json point_now_json(const ProjectView& view, const ControlPoint& point, const AdjustedMark& adjusted, bool placed) {
+  json one = given_json(view, point);
+  if (!adjusted.position_in_world) return one;
+  one["adjusted"] = rounded(view.in_map(*adjusted.position_in_world), 5);
+  if (placed && adjusted.difference_m.allFinite())
+    one["difference_m"] = rounded(Vector3d(view.map_from_world() * adjusted.difference_m), 5);
+  if (placed && adjusted.difference_sigma_m.allFinite())
+    one["difference_sigma_m"] = rounded(adjusted.difference_sigma_m, 5);
+  return one;
+}
+
+std::optional<MarkTests> tests_in(const BlockMarkTest& test) {
+  if (!test.residual_px.allFinite()) return std::nullopt;
+  return MarkTests{test.residual_px, test.w, test.redundancy, test.minimal_detectable_bias_px};
+}
+
+}  // namespace
+
+Result<std::string> control_now_json(const ProjectView& view) {
+  COLLINEA_TRY(const AdjustedMarks now, view.adjusted_with_marks());
+  json all = {{"points", json::array()}, {"sigma0", number(now.sigma0)}};
+  std::map<ControlId, std::size_t> index_of;  // in the order of the control
+  for (const auto& [id, point] : view.control) {
+    const AdjustedMark& adjusted = now.points[index_of.size()];
+    index_of.emplace(id, index_of.size());
+    all["points"].push_back(point_now_json(view, point, adjusted, now.placed));
+  }
+  std::map<ControlId, std::size_t> next;
+  for (const ControlObservation& mark : view.marks) {
+    const auto at = index_of.find(mark.point);
+    if (at == index_of.end()) continue;
+    const auto& tests = now.points[at->second].marks;
+    const std::size_t i = next[mark.point]++;
+    if (view.block.images.contains(mark.image) && i < tests.size())
+      all["points"][at->second]["marks"].push_back(mark_json(view, mark, tests_in(tests[i])));
   }
   return text_of(all);
 }

@@ -33,6 +33,15 @@ inline constexpr std::size_t kMostTies = 100'000;
 /// smaller and the minimal detectable bias that is larger. They are null of marks made or moved since.
 [[nodiscard]] std::string control_json(const ProjectView& view);
 
+/// The same of the whole block with all marks as they are now (ProjectView::adjusted_with_marks): seconds the first
+/// time. Errors: those of it.
+[[nodiscard]] Result<std::string> control_now_json(const ProjectView& view);
+
+/// {"next": {"point", "image", "file", "pixel", "placed": [before, after], "rms_sigma_m": [before, after]} or null}:
+/// the mark that would help all control points most, of those that are best for each of them (best_next_mark). Errors:
+/// kIllPosed, the block is not oriented yet; those of ProjectView::adjusted_with_marks.
+[[nodiscard]] Result<std::string> next_mark_json(const ProjectView& view);
+
 /// {"places": [{"image", "file", "pixel", "ellipse": {"major_px", "minor_px", "angle_deg"}, "marked",
 /// "sigma_after_m"}], "given_disagrees", "marked": {"position", "sigma_m", "difference_m", "difference_sigma_m",
 /// "sigma0", "redundancy", "marks": [{"image", "residual_px", "redundancy", "w", "detectable_px"}]}}: see

@@ -11,6 +11,7 @@
 #include "collinea/geometry/rotation.h"
 #include "collinea/project/settings.h"
 #include "collinea/raster/image_file.h"
+#include "collinea/serve/work_json.h"
 #include "collinea/steps/flow.h"
 #include "collinea/steps/test_project.h"
 
@@ -215,6 +216,33 @@ TEST(ControlJson, TheWholeBlockSaysAfterEachMarkWhatTheAdjustmentWould) {
   EXPECT_NE(view(), before);
   EXPECT_EQ(*view()->ties(), *ties);
   EXPECT_GT(std::abs(test_of_mark()), std::abs(w) + 5);
+  // The table of all points says the same, that of the adjustment what it was.
+  const auto in_table = [&](const std::string& text) {
+    const json table = json::parse(text);
+    for (const json& one : table.at("points"))
+      if (one.at("name") == point)
+        for (const json& seen : one.at("marks"))
+          if (seen.at("image") == mark.image.value) return seen.at("w");
+    return json();
+  };
+  const json now = in_table(*control_now_json(*view()));
+  ASSERT_TRUE(now.is_number());
+  EXPECT_GE(std::abs(now.get<double>()), std::abs(test_of_mark()) - 1e-9);  // the larger of column and row
+  EXPECT_TRUE(in_table(control_json(*view())).is_null());                   // moved since
+  // The mark that is taken back is one that helps: made anew, standard deviations are what they were to be.
+  ASSERT_TRUE(make_edits(path, journal, std::vector{parse_edit(std::vector<std::string>{"undo"}).value()}));
+  const json next = json::parse(*next_mark_json(*view())).at("next");
+  if (!next.is_null()) {
+    EXPECT_LE(next.at("rms_sigma_m").at(1).get<double>(), next.at("rms_sigma_m").at(0).get<double>());
+    EXPECT_TRUE(view()->block.images.contains(ImageId{next.at("image").get<std::uint32_t>()}));
+  }
+  EXPECT_EQ(json::parse(work_json(*view())).at("masks").size(), 0u);
+  const auto mask = parse_edit(std::vector<std::string>{"mask", "M", image, "0", "0", "10", "0", "10", "20"});
+  ASSERT_TRUE(make_edits(path, journal, std::vector{mask.value()}));
+  const json work = json::parse(work_json(*view()));
+  EXPECT_EQ(work.at("masks").at(0).at("image"), mark.image.value);
+  EXPECT_EQ(work.at("masks").at(0).at("ring").at(2), (json{10.0, 20.0}));
+  EXPECT_TRUE(work.at("patches").empty());
 }
 
 // Projects without anything in them answer, too.
@@ -228,6 +256,9 @@ TEST(ControlJson, AnEmptyProjectHasNothing) {
   EXPECT_TRUE(json::parse(*images_json(**view)).at("images").empty());
   EXPECT_TRUE(json::parse(*ties_json(**view, 5)).at("points").empty());
   EXPECT_TRUE(json::parse(control_json(**view)).at("points").empty());
+  EXPECT_FALSE(control_now_json(**view));
+  EXPECT_EQ(next_mark_json(**view).error().code, Errc::kIllPosed);
+  EXPECT_TRUE(json::parse(work_json(**view)).at("masks").empty());
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "collinea/serve/control_json.h"
 #include "collinea/serve/internal/json_answer.h"
 #include "collinea/serve/internal/target.h"
+#include "collinea/serve/work_json.h"
 
 namespace collinea {
 namespace {
@@ -22,8 +23,10 @@ std::optional<HttpResponse> control_response(const HttpRequest& request, const T
                                              const ServedProject& project, ProjectViews& views) {
   const std::string& what = target.path[3];
   const bool asks_for_marks = what == "control" && target.path.size() == 6 && target.path[5] == "places";
-  const bool is_plain = what == "map" || what == "ties" || what == "control" || what == "refine";
-  if (!asks_for_marks && (!is_plain || target.path.size() != 4)) return std::nullopt;
+  const bool asks_for_now =
+      what == "control" && target.path.size() == 5 && (target.path[4] == "now" || target.path[4] == "next");
+  const bool is_plain = what == "map" || what == "ties" || what == "control" || what == "work" || what == "refine";
+  if (!asks_for_marks && !asks_for_now && (!is_plain || target.path.size() != 4)) return std::nullopt;
   const bool posts = request.method == "POST";
   if (posts != (what == "refine")) return method_not_allowed(posts ? "GET" : "POST");
   if (posts && !request.header("content-type").starts_with("application/json"))
@@ -31,8 +34,10 @@ std::optional<HttpResponse> control_response(const HttpRequest& request, const T
   return answer_or_error([&]() -> Result<std::string> {
     COLLINEA_TRY(const auto view, views.of(project));
     if (asks_for_marks) return predicted_marks_json(*view, target.path[4]);
+    if (asks_for_now) return target.path[4] == "now" ? control_now_json(*view) : next_mark_json(*view);
     if (what == "map") return map_json(*view);
     if (what == "control") return control_json(*view);
+    if (what == "work") return work_json(*view);
     if (what == "refine") return refined_json(*view, request.body);
     COLLINEA_TRY(const std::size_t most, most_of(target, 20'000));
     return ties_json(*view, most);

@@ -8,10 +8,8 @@ namespace collinea {
 namespace {
 
 HttpResponse new_edit(const HttpRequest& request, const ServedProject& project, EditJournals& journals) {
-  constexpr std::size_t kLongestBody = 16 * 1024;
   if (!request.header("content-type").starts_with("application/json"))
     return error_answer(415, "an edit is described as application/json");
-  if (request.body.size() > kLongestBody) return error_answer(413, "an edit has at most 16 KiB");
   return answer_or_error(
       edit_in(request.body)
           .and_then([&](const Edit& edit) { return journals.make(project, edit); })

@@ -8,7 +8,12 @@
 namespace collinea {
 namespace {
 
-std::vector<BlockPoint> points_of(const Block& block) {
+std::vector<BlockPoint> points_of(const std::map<ControlId, ControlPoint>& control,
+                                  const std::vector<ControlObservation>& marks, const SigmaFactors& factors) {
+  Block given;
+  given.control = control;
+  given.control_observations = marks;
+  const Block block = with_sigmas(given, factors);
   std::map<ControlId, std::vector<BlockMark>> of_point;
   for (const ControlObservation& mark : block.control_observations)
     of_point[mark.point].push_back({mark.image, mark.pixel, mark.sigma_px, mark.shape});
@@ -56,15 +61,25 @@ Result<std::shared_ptr<const TiedBlock>> HeldBlock::ties() {
   return ties_;
 }
 
+Result<HeldBlock::Marked*> HeldBlock::marked() {
+  if (!marked_) marked_.emplace(read_marked(project_));
+  if (!*marked_) return tl::unexpected(marked_->error());
+  return &**marked_;
+}
+
 Result<AdjustedMarks> HeldBlock::adjusted_with(const std::map<ControlId, ControlPoint>& control,
                                                const std::vector<ControlObservation>& marks) {
   const std::lock_guard lock(marked_mutex_);
-  if (!marked_) marked_.emplace(read_marked(project_));
-  if (!*marked_) return tl::unexpected(marked_->error());
-  Block given;
-  given.control = control;
-  given.control_observations = marks;
-  return (*marked_)->block.adjust(points_of(with_sigmas(given, (*marked_)->factors)));
+  COLLINEA_TRY(Marked* const held, marked());
+  return held->block.adjust(points_of(control, marks, held->factors));
+}
+
+Result<std::optional<NextMark>> HeldBlock::next_mark(const std::map<ControlId, ControlPoint>& control,
+                                                     const std::vector<ControlObservation>& marks,
+                                                     std::span<const PossibleMark> possible) {
+  const std::lock_guard lock(marked_mutex_);
+  COLLINEA_TRY(Marked* const held, marked());
+  return best_next_mark(held->block, points_of(control, marks, held->factors), possible);
 }
 
 }  // namespace collinea

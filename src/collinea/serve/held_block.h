@@ -6,10 +6,12 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "collinea/base/result.h"
 #include "collinea/block/block.h"
+#include "collinea/marking/next_mark.h"
 #include "collinea/quality/marked_points.h"
 #include "collinea/quality/variance_components.h"
 #include "collinea/store/project_store.h"
@@ -41,6 +43,11 @@ class HeldBlock {
   /// not oriented, more than kMostImages; those of MarkedBlock.
   [[nodiscard]] Result<AdjustedMarks> adjusted_with(const std::map<ControlId, ControlPoint>& control,
                                                     const std::vector<ControlObservation>& marks);
+  /// Of places in images where points (by their order in `control`) could be marked the one that helps all most
+  /// (best_next_mark). Errors: as above.
+  [[nodiscard]] Result<std::optional<NextMark>> next_mark(const std::map<ControlId, ControlPoint>& control,
+                                                          const std::vector<ControlObservation>& marks,
+                                                          std::span<const PossibleMark> possible);
 
  private:
   std::filesystem::path project_;
@@ -51,6 +58,7 @@ class HeldBlock {
     SigmaFactors factors;
   };
   static Result<Marked> read_marked(const std::filesystem::path& project);
+  Result<Marked*> marked();               // the mutex is held
   std::optional<Result<Marked>> marked_;  // an error is not tried again
 };
 

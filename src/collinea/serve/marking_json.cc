@@ -127,6 +127,10 @@ Result<RefineRequest> refine_request_in(std::string_view body) {
   }
 }
 
+double sigma0_of(const ProjectView& view) {
+  return view.adjustment && view.adjustment->sigma0 > 1e-9 ? view.adjustment->sigma0 : 1;
+}
+
 }  // namespace
 
 Result<std::string> predicted_marks_json(const ProjectView& view, const std::string& name) {
@@ -138,7 +142,7 @@ Result<std::string> predicted_marks_json(const ProjectView& view, const std::str
   std::vector<ControlObservation> marks;
   for (const ControlObservation& mark : view.marks)
     if (mark.point == id && view.block.images.contains(mark.image)) marks.push_back(mark);
-  const double sigma0 = view.adjustment && view.adjustment->sigma0 > 1e-9 ? view.adjustment->sigma0 : 1;
+  const double sigma0 = sigma0_of(view);
   const PredictedMarks found =
       predicted_marks({ties->block, ties->observations, ties->covariances.poses, sigma0}, given, marks);
   json list = json::array(), contradicting = json::array();
@@ -155,6 +159,45 @@ Result<std::string> predicted_marks_json(const ProjectView& view, const std::str
                   {"contradicting", contradicting},
                   {"marked", marked_json(view, found, given)},
                   {"in_block", in_block_json(view, id, marks)}});
+}
+
+namespace {
+
+// Of each point the best place that is not marked yet.
+std::vector<PossibleMark> possible_marks(const ProjectView& view, const TiedBlock& ties, double sigma0) {
+  constexpr double kSigmaPx = 0.5;  // of a mark by hand
+  std::map<ControlId, std::vector<ControlObservation>> marks;
+  for (const ControlObservation& mark : view.marks)
+    if (view.block.images.contains(mark.image)) marks[mark.point].push_back(mark);
+  std::vector<PossibleMark> possible;
+  std::size_t number = 0;
+  for (const auto& [id, point] : view.control) {
+    const PredictedMarks found =
+        predicted_marks({ties.block, ties.observations, ties.covariances.poses, sigma0}, point, marks[id]);
+    const auto best = std::ranges::find(found.predicted, false, &PredictedMark::marked);
+    if (best != found.predicted.end()) possible.push_back({number, {best->image, best->pixel, kSigmaPx}});
+    ++number;
+  }
+  return possible;
+}
+
+}  // namespace
+
+Result<std::string> next_mark_json(const ProjectView& view) {
+  if (count_oriented(view.block) == 0)
+    return fail(Errc::kIllPosed, "the images are not oriented yet: bring the project to the step orient first");
+  COLLINEA_TRY(const auto ties, view.ties());
+  const auto possible = possible_marks(view, *ties, sigma0_of(view));
+  COLLINEA_TRY(const auto next, view.next_mark(possible));
+  if (!next) return text_of({{"next", nullptr}});
+  const BlockMark& mark = next->mark.mark;
+  return text_of({{"next",
+                   {{"point", std::next(view.control.begin(), std::ptrdiff_t(next->mark.point))->second.name},
+                    {"image", mark.image.value},
+                    {"file", view.block.images.at(mark.image).file},
+                    {"pixel", pair(mark.pixel)},
+                    {"placed", {next->placed_before, next->placed_after}},
+                    {"rms_sigma_m", {number(next->rms_sigma_before_m), number(next->rms_sigma_after_m)}}}}});
 }
 
 Result<std::string> refined_json(const ProjectView& view, std::string_view body) {

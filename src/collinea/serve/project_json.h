@@ -24,8 +24,8 @@ namespace collinea {
 /// The findings of all steps that are done, as in reports.
 [[nodiscard]] Result<std::string> project_findings(const ProjectStore& store);
 
-/// {"board", "number", "jobs": [...], "log": [{"job", "line"}], "edits": [{"project", "number"}]}; "edits" where a journal
-/// grew.
+/// {"board", "number", "jobs": [...], "log": [{"job", "line"}], "edits": [{"project", "number"}]}; "edits" where a
+/// journal grew.
 [[nodiscard]] std::string changes_json(const JobChanges& changes, std::span<const GrownJournal> grown = {});
 
 /// {"job"}.

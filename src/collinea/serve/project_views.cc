@@ -7,6 +7,7 @@
 #include "collinea/base/file.h"
 #include "collinea/base/hash.h"
 #include "collinea/block/world_frame.h"
+#include "collinea/edit/read_work.h"
 #include "collinea/project/project.h"
 #include "collinea/report/adjustment_report.h"
 #include "collinea/steps/step_list.h"
@@ -20,7 +21,7 @@ namespace fs = std::filesystem;
 // makes one.
 std::string state_of(const fs::path& folder) {
   Hash hash;
-  for (const char* name : {"project.json", "block.db", "block.db-wal"}) {
+  for (const char* name : {"project.json", "block.db", "block.db-wal", "journal.jsonl"}) {
     std::error_code error;
     const auto bytes = fs::file_size(folder / name, error);
     const auto changed = error || bytes == 0 ? fs::file_time_type() : fs::last_write_time(folder / name, error);
@@ -71,6 +72,7 @@ Result<std::shared_ptr<const ProjectView>> ProjectView::read(const ServedProject
   COLLINEA_TRY(Block setup, opened->store.read_setup());
   view->control = std::move(setup.control);
   view->marks = std::move(setup.control_observations);
+  COLLINEA_TRY(view->work, read_work(*opened));
   for (const auto& [id, image] : view->block.images) view->image_files.emplace(id, opened->image_file(image));
   COLLINEA_TRY(view->frame, world_frame(view->block));
   COLLINEA_TRY(view->orientation, record_of<OrientationRecord>(opened->store));

@@ -8,11 +8,13 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "collinea/base/result.h"
 #include "collinea/block/block.h"
+#include "collinea/edit/edited_work.h"
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/raster/tile_cache.h"
 #include "collinea/serve/held_block.h"
@@ -36,6 +38,7 @@ class ProjectView {
   Block block;                                ///< as read_orientation(): no tie points; empty before import
   std::map<ControlId, ControlPoint> control;  ///< as set up: with what was edited since the block was oriented
   std::vector<ControlObservation> marks;      ///< the same of control
+  EditedWork work;                            ///< what edits say of anything else
   std::map<ImageId, std::filesystem::path> image_files;  ///< photographs that steps work on
   std::optional<LocalFrame> frame;                       ///< nothing: no location on Earth
   std::optional<OrientationRecord> orientation;
@@ -46,6 +49,11 @@ class ProjectView {
   /// All control points with their marks, as they are now, adjusted with the whole block; parallel to `control`.
   /// Errors: those of HeldBlock.
   [[nodiscard]] Result<AdjustedMarks> adjusted_with_marks() const { return held_->adjusted_with(control, marks); }
+
+  /// Of places where its control points could be marked the one that helps all of them most. Errors: as above.
+  [[nodiscard]] Result<std::optional<NextMark>> next_mark(std::span<const PossibleMark> possible) const {
+    return held_->next_mark(control, marks, possible);
+  }
 
   /// The tests that the adjustment left of a mark; nothing when it took no part, or has been moved since.
   [[nodiscard]] std::optional<MarkTests> tests_of(const ControlObservation& mark) const;

@@ -15,7 +15,7 @@ namespace collinea {
 struct ServerLimits {
   int connections = 64;  ///< at once; further ones are closed
   int header_bytes = 16 * 1024;
-  int body_bytes = 64 * 1024;
+  int body_bytes = 512 * 1024;  ///< an outline of thousands of points is drawn in one edit
   int idle_s = 30;  ///< until a request has come whole, and for each 256 KiB of an answer to go
 };
 

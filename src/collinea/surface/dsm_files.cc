@@ -17,17 +17,20 @@ struct Writers {
 
 template <class T>
 Result<> start(std::optional<GeoTiffWriter<T>>& writer, const std::filesystem::path& path, const MapGrid& grid,
-               std::optional<double> nodata, FileText description) {
+               std::optional<double> nodata, FileText description, Overviews overviews = Overviews::kNone) {
   typename GeoTiffWriter<T>::Options options;
   options.nodata = nodata;
   options.description = description;
+  options.overviews = overviews;
   COLLINEA_TRY(writer, GeoTiffWriter<T>::create(path, grid, 1, options));
   return {};
 }
 
 Result<> start_all(Writers& writers, const DsmFiles& files, const MapGrid& grid) {
   return start(writers.height, files.height, grid, double(kNoHeight), band::kSurfaceHeight)
-      .and_then([&] { return start(writers.sigma, files.sigma, grid, double(kNoHeight), band::kHeightSigma); })
+      .and_then([&] {
+        return start(writers.sigma, files.sigma, grid, double(kNoHeight), band::kHeightSigma, Overviews::kMean);
+      })
       .and_then([&] {
         return start(writers.sigma_relative, files.sigma_relative, grid, double(kNoHeight), band::kRelativeHeightSigma);
       })

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Requests to the server, one function each.
 import type {
-  Cloud, Control, Edits, Images, MapInfo, MarkKind, OptionGroup, OptionValues, Places, Project, ProjectName, Refined, Residual, Settings, TiePoint, Vector2,
+  Cloud, Control, Edits, Images, MapInfo, MarkKind, NextMark, OptionGroup, OptionValues, Places, Project, ProjectName, Refined, Residual, Settings, TiePoint, Vector2,
+  Work,
 } from "./types";
 
 /** The server said no. */
@@ -50,6 +51,10 @@ export const ties = (id: string, most: number): Promise<{ points: TiePoint[] }> 
 export const cloud = (id: string): Promise<Cloud> => ask(`${base(id)}/cloud`);
 
 export const control = (id: string): Promise<Control> => ask(`${base(id)}/control`);
+/** With the tests that all marks have as they are now: seconds the first time. */
+export const controlNow = (id: string): Promise<Control> => ask(`${base(id)}/control/now`);
+export const nextMark = (id: string): Promise<{ next: NextMark | null }> => ask(`${base(id)}/control/next`);
+export const work = (id: string): Promise<Work> => ask(`${base(id)}/work`);
 export const places = (id: string, point: string): Promise<Places> =>
   ask(`${base(id)}/control/${encodeURIComponent(point)}/places`);
 export const refine = (id: string, image: number, pixel: Vector2, kind: MarkKind): Promise<Refined> =>

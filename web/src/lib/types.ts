@@ -202,6 +202,38 @@ export interface Control {
   sigma0: number | null;
 }
 
+/** A part of a photograph that all work leaves out. */
+export interface Mask {
+  name: string;
+  /** null: of all photographs. */
+  image: number | null;
+  ring: Vector2[];
+}
+
+/** A part of the map that the orthophoto takes from one photograph. */
+export interface Patch {
+  name: string;
+  image: number;
+  file: string;
+  ring: Vector2[];
+}
+
+export interface Work {
+  masks: Mask[];
+  patches: Patch[];
+}
+
+/** The mark that would help all points most. */
+export interface NextMark {
+  point: string;
+  image: number;
+  file: string;
+  pixel: Vector2;
+  /** Points with a position, before and after. */
+  placed: [number, number];
+  rms_sigma_m: [number, number];
+}
+
 export interface Ellipse {
   major_px: number;
   minor_px: number;

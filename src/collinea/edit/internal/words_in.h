@@ -23,6 +23,14 @@ inline constexpr std::size_t kLongestName = 500;  ///< bytes of a name of a poin
 /// enclose fields of tables, and neither begins with # nor is "-".
 [[nodiscard]] Result<> check_new_name(const std::string& name, std::string_view what);
 
+/// The words of a command of a kind: its own, and those that say the rest.
+template <class Kind>
+[[nodiscard]] std::vector<std::string> command_words(const Kind& kind) {
+  std::vector<std::string> words = {std::string(Kind::kWord)};
+  for (std::string& word : kind.words()) words.push_back(std::move(word));
+  return words;
+}
+
 /// That a command is written otherwise than `form`.
 [[nodiscard]] tl::unexpected<Error> wrong_form(std::string_view form);
 

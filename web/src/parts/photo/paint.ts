@@ -4,7 +4,7 @@ import type { Ellipse, Residual, Vector2 } from "../../lib/types";
 
 export type ToScreen = (pixel: Vector2) => Vector2;
 
-export const colours = { control: "#ff4fa0", check: "#ffb300", chosen: "#ffe600", place: "#35d6ff", residual: "#ff3d2e", tie: "#7dff5a", rim: "rgba(0, 0, 0, 0.75)" };
+export const colours = { control: "#ff4fa0", check: "#ffb300", chosen: "#ffe600", place: "#35d6ff", residual: "#ff3d2e", tie: "#7dff5a", mask: "#ff9d3b", rim: "rgba(0, 0, 0, 0.75)" };
 
 export interface ShownMark {
   name: string;
@@ -12,6 +12,14 @@ export interface ShownMark {
   pixel: Vector2;
   residual_px: Vector2 | null;
   chosen: boolean;
+}
+
+/** A mask, or one that is being drawn (`open`). */
+export interface ShownRing {
+  name: string;
+  points: Vector2[];
+  chosen: boolean;
+  open: boolean;
 }
 
 export interface ShownPlace {
@@ -86,6 +94,32 @@ export function paintPlace(context: CanvasRenderingContext2D, toScreen: ToScreen
     lines(context, () => context.ellipse(x, y, major, minor, (ellipse.angle_deg * Math.PI) / 180, 0, 2 * Math.PI), colours.place, 1.5, [5, 3]);
   }
   if (place.name) label(context, [x, y], place.name, colours.place);
+}
+
+/** What masks hide is dimmed. One that is being drawn shows its corners, and the side that would close it. */
+export function paintRing(context: CanvasRenderingContext2D, toScreen: ToScreen, ring: ShownRing): void {
+  const points = ring.points.map(toScreen);
+  const [first] = points;
+  if (!first) return;
+  const path = (): void => {
+    points.forEach((point, index) => (index ? context.lineTo(...point) : context.moveTo(...point)));
+    if (!ring.open) context.closePath();
+  };
+  context.beginPath();
+  path();
+  context.fillStyle = "rgba(0, 0, 0, 0.45)";
+  context.fill();
+  const colour = ring.chosen || ring.open ? colours.chosen : colours.mask;
+  lines(context, path, colour, ring.chosen ? 2.5 : 1.5);
+  if (ring.open) {
+    for (const [x, y] of points) lines(context, () => context.rect(x - 3, y - 3, 6, 6), colour);
+    const last = points[points.length - 1] ?? first;
+    lines(context, () => {
+      context.moveTo(...last);
+      context.lineTo(...first);
+    }, colour, 1, [4, 4]);
+  }
+  if (ring.name) label(context, first, ring.name, colour);
 }
 
 /** Thousands of residuals at tie points: one path. */

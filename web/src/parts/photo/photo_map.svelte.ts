@@ -18,7 +18,7 @@ import { apply } from "ol/transform";
 
 import { isInside, pixelOf, resolutionsOf, viewOf } from "../../lib/pixels";
 import type { ImageInfo, Residual, Vector2 } from "../../lib/types";
-import { paintMark, paintPlace, paintResiduals, type ShownMark, type ShownPlace, type ToScreen } from "./paint";
+import { paintMark, paintPlace, paintResiduals, paintRing, type ShownMark, type ShownPlace, type ShownRing, type ToScreen } from "./paint";
 import type { Tiles } from "./tiles";
 
 const mostEnlarged = 64; // pixels of the screen per native one
@@ -29,6 +29,7 @@ export interface Drawn {
   marks: ShownMark[];
   place: ShownPlace | undefined;
   residuals: Residual[];
+  rings?: ShownRing[];
   /** Of residuals. */
   factor: number;
 }
@@ -225,7 +226,8 @@ export class PhotoMap {
   }
 
   #paint(context: CanvasRenderingContext2D, toScreen: ToScreen, scale: number): void {
-    const { marks, place, residuals, factor } = this.#drawn;
+    const { marks, place, residuals, factor, rings } = this.#drawn;
+    for (const ring of rings ?? []) paintRing(context, toScreen, ring);
     if (residuals.length) paintResiduals(context, toScreen, residuals, factor);
     if (place) paintPlace(context, toScreen, place, scale);
     for (const mark of [...marks].sort((a, b) => Number(a.chosen) - Number(b.chosen))) {

@@ -2,8 +2,9 @@
 // What a person marks: the chosen point and photograph, what is known of them, and edits, which are made one after the other.
 import * as api from "../../lib/api";
 import { Loaded } from "../../lib/loaded.svelte";
-import type { Control, ControlPoint, Edits, ImageInfo, Images, Mark, MarkKind, Place, Places, Vector2 } from "../../lib/types";
+import type { Control, ControlPoint, Edits, ImageInfo, Images, Mark, MarkKind, NextMark, Place, Places, Vector2 } from "../../lib/types";
 import { t } from "../../lib/words.svelte";
+import { asNow } from "./merge";
 import { type Column, nextPlace, nextPoint, type PlaceOrder, placesInOrder, sorted } from "./order";
 
 export interface Note {
@@ -14,6 +15,8 @@ export interface Note {
 /** The point that was chosen last, by project: other views are looked at meanwhile. */
 const lastChosen = new Map<string, string>();
 
+const idleMs = 400;
+
 const exact = (value: number): string => String(Number(value.toFixed(4)));
 
 export class Desk {
@@ -21,6 +24,9 @@ export class Desk {
   images = new Loaded<Images>();
   edits = new Loaded<Edits>();
   places = new Loaded<Places>();
+  /** Differences and tests of the whole block with all marks; behind the marks by a moment. */
+  now = new Loaded<Control>();
+  next = new Loaded<{ next: NextMark | null }>();
   /** Of the chosen point. */
   name = $state("");
   imageId = $state<number | undefined>();
@@ -37,6 +43,7 @@ export class Desk {
   /** Called when another photograph is to be shown, or (`isSame`) when the same is expected elsewhere by now. */
   opened: (isSame: boolean) => void = () => {};
   #actions: Promise<unknown> = Promise.resolve();
+  #idle: ReturnType<typeof setTimeout> | undefined;
   #choice = 0; // counts points that were chosen
   #asked = 0; // counts requests for places
   #seen = 0; // number of the last edit that what is shown holds
@@ -44,7 +51,7 @@ export class Desk {
 
   constructor(readonly project: string) {}
 
-  points = $derived(sorted(this.control.value?.points ?? [], this.column, this.isReversed));
+  points = $derived(sorted(asNow(this.control.value, this.now.value), this.column, this.isReversed));
   point = $derived<ControlPoint | undefined>(this.points.find((one) => one.name === this.name));
   /** Where the point is expected; none before orientation. */
   predicted = $derived<Place[]>(this.places.value?.places ?? []);
@@ -74,6 +81,23 @@ export class Desk {
     ];
     if (hasPlaces && this.name) asked.push(this.#loadPlaces());
     await Promise.all(asked);
+    clearTimeout(this.#idle);
+    this.#idle = setTimeout(() => void this.#loadNow(), idleMs);
+  }
+
+  /** When the hands rest: the whole block takes a moment, and all points a moment each. */
+  async #loadNow(): Promise<void> {
+    if (this.pending || !this.images.value?.images.some((image) => image.oriented)) return;
+    await this.now.load(() => api.controlNow(this.project));
+    if (!this.pending && !this.now.error) await this.next.load(() => api.nextMark(this.project));
+  }
+
+  /** Opens the photograph in which a mark would help all points most. */
+  async goToNextMark(): Promise<void> {
+    const next = this.next.value?.next;
+    if (!next) return;
+    if (next.point !== this.name) await this.choosePoint(next.point);
+    this.chooseImage(next.image);
   }
 
   /** An edit of this tab or another. */

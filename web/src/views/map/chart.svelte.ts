@@ -13,22 +13,24 @@ import { register } from "ol/proj/proj4";
 import proj4 from "proj4";
 
 import * as api from "../../lib/api";
+import { Outline } from "../../lib/outline.svelte";
 import { station } from "../../lib/station.svelte";
-import type { ControlPoint, ImageInfo, MapInfo, Project, Vector2 } from "../../lib/types";
+import type { ControlPoint, ImageInfo, MapInfo, Patch, Project, Vector2 } from "../../lib/types";
 import { roundFactor } from "./geometry";
-import { paintedValues } from "./paint";
+import { paintedClasses, paintedValues } from "./paint";
 import { Raster } from "./raster";
 import { rasterLayer } from "./sources";
 import { TieLayer } from "./ties";
-import { centres, controlPoints, differences, footprints, marker, placeOf } from "./vectors";
+import { centres, controlPoints, differences, footprints, marker, patchLayers, placeOf } from "./vectors";
 
-export type LayerName = "ortho" | "hillshade" | "sigma" | "footprints" | "centres" | "ties" | "differences" | "control";
+export type LayerName = "ortho" | "hillshade" | "sigma" | "sources" | "patches" | "footprints" | "centres" | "ties" | "differences" | "control";
 /** From below upwards. */
-const order: LayerName[] = ["hillshade", "sigma", "ortho", "footprints", "ties", "centres", "differences", "control"];
+const order: LayerName[] = ["hillshade", "sigma", "ortho", "sources", "footprints", "patches", "ties", "centres", "differences", "control"];
 const rasterPaths: Partial<Record<LayerName, string>> = {
   ortho: "products/ortho.tif",
   hillshade: "products/dsm_hillshade.tif",
   sigma: "products/dsm_sigma.tif",
+  sources: "products/ortho_source.tif",
 };
 const mostTies = 20000;
 const wantedDifference = 90; // at most, of the largest difference [px]
@@ -72,6 +74,12 @@ export class Chart {
   cursor = $state.raw<UnderCursor | undefined>();
   clicked = $state.raw<UnderCursor | undefined>();
   clickedControl = $state.raw<ControlPoint | undefined>();
+  /** The photograph that the orthophoto shows where was clicked; empty: none. */
+  ledBy = $state("");
+  patches = $state.raw<Patch[]>([]);
+  /** Whether clicks are corners of a patch. */
+  patching = $state(false);
+  readonly outline = new Outline();
   tieFactor = $state(1);
   /** 0: not chosen yet. */
   differenceFactor = $state(0);
@@ -85,6 +93,7 @@ export class Chart {
   readonly #kept: Kept;
   readonly #rasters = new Map<string, Promise<Raster>>();
   readonly #marker = marker();
+  readonly #drawn = patchLayers();
   #map: OlMap | undefined;
   #projection: Projection = new Projection({ code: "collinea-local", units: "m" });
   /** Browsers keep ranges of a file; when it has changed they get all of it instead of the range that they ask for. */
@@ -102,6 +111,7 @@ export class Chart {
 
   /** Asks for everything and shows it. */
   async show(target: HTMLElement): Promise<void> {
+    void this.loadPatches();
     const [info, images, control] = await Promise.all([
       this.#offered("map", () => api.map(this.#project.id)),
       this.#offered("images", () => api.images(this.#project.id)),
@@ -149,6 +159,27 @@ export class Chart {
     await this.#reload("differences");
   }
 
+  /** Patches of the orthophoto, as they are in force. */
+  async loadPatches(): Promise<void> {
+    const work = await this.#offered("work", () => api.work(this.#project.id));
+    if (this.#disposed || !work) return;
+    this.patches = work.patches;
+    this.#drawn.patches(this.patches);
+  }
+
+  setPatching(patching: boolean): void {
+    this.patching = patching;
+    this.clearOutline();
+  }
+  clearOutline(): void {
+    this.outline.clear();
+    this.#drawn.outline([]);
+  }
+  backOutline(): void {
+    this.outline.back();
+    this.#drawn.outline(this.outline.points);
+  }
+
   /** Everything in view. */
   async fit(): Promise<void> {
     const extent = await this.#extent();
@@ -171,11 +202,11 @@ export class Chart {
     layer?.getSource()?.forEachFeature((feature) => feature.set("chosen", feature.get("image") === image));
   }
 
-  async #offered<T>(name: "map" | "images" | "control", request: () => Promise<T>): Promise<T | undefined> {
+  async #offered<T>(name: "map" | "images" | "control" | "work", request: () => Promise<T>): Promise<T | undefined> {
     try {
       return await request();
     } catch (error) {
-      if (api.isMissing(error)) this.missing = [...this.missing, name];
+      if (api.isMissing(error)) this.missing = name === "work" ? this.missing : [...this.missing, name];
       else station.complain(error);
       return undefined;
     }
@@ -189,6 +220,7 @@ export class Chart {
       view: new View({ projection: this.#projection, center: [0, 0], resolution: 1, minResolution: 0.0005, maxResolution: 5000, enableRotation: false }),
     });
     this.#map.addLayer(this.#marker.layer);
+    this.#map.addLayer(this.#drawn.outlineLayer);
     this.#map.on("moveend", () => (this.resolution = this.#map?.getView().getResolution() ?? 1));
     this.#map.on("pointermove", (event) => {
       if (!event.dragging) void this.#under(event.coordinate as Vector2).then((under) => under && (this.cursor = under));
@@ -205,6 +237,8 @@ export class Chart {
       ortho: () => this.#rasterLayer("ortho"),
       hillshade: () => this.#rasterLayer("hillshade"),
       sigma: () => this.#sigmaLayer(),
+      sources: () => this.#sourceLayer(),
+      patches: this.#has(rasterPaths.ortho ?? "") ? async () => this.#drawn.patchLayer : undefined,
       footprints: this.images.some((image) => image.footprint) ? async () => footprints(this.images) : undefined,
       centres: this.images.some((image) => image.position) ? async () => centres(this.images) : undefined,
       ties: () => this.#tieLayer(),
@@ -213,12 +247,12 @@ export class Chart {
     };
     for (const [name, path] of Object.entries(rasterPaths)) if (!this.#has(path)) makers[name as LayerName] = undefined;
     if (this.missing.includes("map")) makers.ties = undefined;
-    const standard: Partial<Record<LayerName, boolean>> = { ortho: true, hillshade: !makers.ortho, centres: true, control: true, differences: true };
+    const standard: Partial<Record<LayerName, boolean>> = { ortho: true, hillshade: !makers.ortho, centres: true, patches: true, control: true, differences: true };
     this.layers = order.flatMap((name) => {
       const make = makers[name];
       if (!make) return [];
       const layer = new ChartLayer(name, make);
-      layer.opacity = this.#kept.opacity[name] ?? (name === "sigma" ? 0.7 : 1);
+      layer.opacity = this.#kept.opacity[name] ?? (name === "sigma" ? 0.7 : name === "sources" ? 0.45 : 1);
       void this.setVisible(layer, this.#kept.visible[name] ?? standard[name] ?? false);
       return [layer];
     });
@@ -269,6 +303,19 @@ export class Chart {
     this.sigmaRange = [0, 3 * mean];
     const raster = await this.#raster(rasterPaths.sigma ?? "");
     return rasterLayer(raster, this.#projection, (bands, nodata) => paintedValues(bands[0] ?? [], nodata, 0, 3 * mean));
+  }
+
+  async #sourceLayer(): Promise<BaseLayer> {
+    const raster = await this.#raster(rasterPaths.sources ?? "");
+    return rasterLayer(raster, this.#projection, (bands, nodata) => paintedClasses(bands[0] ?? [], nodata ?? 0));
+  }
+
+  async #leaderAt(place: Vector2): Promise<string> {
+    const path = rasterPaths.sources ?? "";
+    const sources = this.#project.steps.find((step) => step.name === "ortho")?.figures?.sources;
+    if (!this.#has(path) || !Array.isArray(sources)) return "";
+    const value = await this.#raster(path).then((raster) => raster.at(...place)).catch(() => null);
+    return value ? String(sources[value - 1] ?? "") : "";
   }
 
   async #tieLayer(): Promise<BaseLayer> {
@@ -322,12 +369,17 @@ export class Chart {
   }
 
   async #click(place: Vector2, pixel: number[] | undefined): Promise<void> {
+    if (this.patching) {
+      this.outline.add(place);
+      this.#drawn.outline(this.outline.points);
+      return;
+    }
     const at = pixel ?? this.#map?.getPixelFromCoordinate(place) ?? [];
     const near = this.#map?.getFeaturesAtPixel(at, { hitTolerance: 6 }).find((feature) => feature.get("control") !== undefined);
     this.clickedControl = this.control.find((point) => point.name === near?.get("control"));
     const there = (this.clickedControl && placeOf(this.clickedControl)) ?? place;
     this.#marker.put(there);
-    this.clicked = await this.#under(there);
+    [this.clicked, this.ledBy] = await Promise.all([this.#under(there), this.#leaderAt(there)]);
     this.highlight(undefined);
   }
 }

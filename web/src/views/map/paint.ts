@@ -30,6 +30,30 @@ export function ramp(value: number): [number, number, number] {
   return [mixed(16), mixed(8), mixed(0)];
 }
 
+/** Numbers that stand for something, each in a colour of its own: neighbours far apart on the circle of hues. */
+export function paintedClasses(band: ArrayLike<number>, none: number): Uint8ClampedArray {
+  const out = new Uint8ClampedArray(4 * band.length);
+  const known = new Map<number, [number, number, number]>();
+  for (let i = 0, j = 0; i < band.length; ++i, j += 4) {
+    const value = band[i] as number;
+    if (value === none) continue;
+    let colour = known.get(value);
+    if (!colour) known.set(value, (colour = hue(value * 0.381966)));
+    [out[j], out[j + 1], out[j + 2]] = colour;
+    out[j + 3] = 255;
+  }
+  return out;
+}
+
+/** A full colour of the circle of hues, of which only the part behind the point counts. */
+function hue(turn: number): [number, number, number] {
+  const at = (shift: number): number => {
+    const part = ((turn + shift) % 1) * 6;
+    return Math.round(255 * Math.min(1, Math.max(0, Math.abs(part - 3) - 1)));
+  };
+  return [at(0), at(2 / 3), at(1 / 3)];
+}
+
 /** Values from `low` to `high` by the ramp; what is not known stays clear. */
 export function paintedValues(band: ArrayLike<number>, nodata: number | null, low: number, high: number): Uint8ClampedArray {
   const out = new Uint8ClampedArray(4 * band.length);

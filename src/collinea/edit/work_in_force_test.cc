@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collinea/edit/edited_work.h"
+#include "collinea/edit/work_in_force.h"
 
 #include <gtest/gtest.h>
 
