@@ -38,6 +38,7 @@ Command correlate_command();
 Command resection_command();
 Command intersection_command();
 Command monoplot_command();
+Command plot_command();
 Command absolute_command();
 Command rotation_command();
 Command collinearity_command();
@@ -95,8 +96,8 @@ struct CommandGroup {
            correlate_command(),    absolute_command(), interior_command(),  resection_command(),
            intersection_command(), monoplot_command(), rotation_command(),  collinearity_command(),
            refraction_command(),   edges_command(),    target_command(),    enhance_command(),
-           models_command(),       rectify_command(),  measure_command(),   volume_command(),
-           profile_command(),      evaluate_command(), grid_command(),
+           models_command(),       rectify_command(),  measure_command(),   plot_command(),
+           volume_command(),       profile_command(),  evaluate_command(),  grid_command(),
        }},
       {"Planning",
        {

@@ -8,11 +8,13 @@
 #include <vector>
 
 #include "collinea/base/result.h"
+#include "collinea/edit/draw_feature.h"
 #include "collinea/edit/edit_cloud.h"
 #include "collinea/edit/mark_point.h"
 #include "collinea/edit/mask_image.h"
 #include "collinea/edit/patch_seams.h"
 #include "collinea/edit/remove_point.h"
+#include "collinea/edit/set_attribute.h"
 #include "collinea/edit/set_point.h"
 #include "collinea/edit/set_role.h"
 #include "collinea/edit/unmark_point.h"
@@ -35,7 +37,8 @@ struct Redo {
 /// with a member `point` change the control point of that name, and nothing else (EditsPoint); others change a part of
 /// EditedWork (EditsWork), or the history.
 using Edit = std::variant<MarkPoint, UnmarkPoint, SetPoint, SetRole, RemovePoint, MaskImage, UnmaskImage, PatchSeams,
-                          UnpatchSeams, ClassifyCloud, CutCloud, CropCloud, Undo, Redo>;
+                          UnpatchSeams, DrawFeature, EraseFeature, SetAttribute, SetLayer, ClassifyCloud, CutCloud,
+                          CropCloud, Undo, Redo>;
 
 /// A command that changes a control point.
 template <class Kind>

@@ -37,6 +37,14 @@ std::vector<Words> commands() {
           {"classify", "6", "410.5", "-", "500000.25", "5300000.5", "500010", "5300000", "500010", "5300010"},
           {"cut", "-", "410.5", "500000.25", "5300000.5", "500010", "5300000", "500010", "5300010"},
           {"crop", "-1", "1", "0", "0", "10", "0", "10", "5", "0", "5"},
+          {"draw", "*", "roof", "point", "typed", "500000.25", "5300000.5", "-3"},
+          {"draw", "F1",    "roof", "line", "mono",    "1",    "2",    "3",   "cov",    "1", "0", "0.5",
+           "1",    "0",     "2",    "mark", "a b.jpg", "10.5", "20",   "0.5", "stereo", "1", "2", "4",
+           "mark", "a.jpg", "1",    "2",    "0.5",     "mark", "mark", "3",   "4",      "1"},
+          {"erase", "F1"},
+          {"attribute", "F1", "use", ""},
+          {"layer", "roof", "polygon", "#e67e22"},
+          {"layer", "roof", "any", "#000000"},
           {"undo"},
           {"redo"}};
 }
@@ -73,8 +81,8 @@ TEST(Edits, AWrongCommandSaysWhatIsWrong) {
   } cases[] = {
       {{}, "no command is given"},
       {{"paint", "P1"},
-       "\"paint\": one of mark, unmark, point, role, remove, mask, unmask, patch, unpatch, classify, cut, crop, undo, "
-       "redo"},
+       "\"paint\": one of mark, unmark, point, role, remove, mask, unmask, patch, unpatch, draw, erase, attribute, "
+       "layer, classify, cut, crop, undo, redo"},
       {{"mark", "P1"}, "mark POINT IMAGE X Y [SIGMA_PX]"},
       {{"mark", "P1", "a.jpg", "1", "2", "3", "4"}, "mark POINT IMAGE"},
       {{"mark", "P1", "a.jpg", "one", "2"}, "X: \"one\""},
@@ -108,6 +116,19 @@ TEST(Edits, AWrongCommandSaysWhatIsWrong) {
       {{"cut", "-", "high", "0", "0", "1", "1", "2", "0"}, "HIGH: \"high\""},
       {{"crop", "-", "-", "0", "0", "1", "1"}, "crop LOW|- HIGH|-"},
       {{"crop", "-", "-", "0", "0", "1", "1", "2", "2"}, "encloses nothing"},
+      {{"draw", "*", "roof", "line", "typed", "1", "2", "3"}, "a line has 2 vertices or more, not 1"},
+      {{"draw", "*", "roof", "point", "typed", "1", "2", "3", "typed", "1", "2", "3"}, "a point has 1 vertex, not 2"},
+      {{"draw", "*", "roof", "blob", "typed", "1", "2", "3"}, "\"blob\" is no kind"},
+      {{"draw", "*", "roof", "point", "guess", "1", "2", "3"}, "\"guess\" begins no vertex"},
+      {{"draw", "*", "roof", "point", "typed", "1", "2", "nan"}, "H: \"nan\""},
+      {{"draw", "*", "roof", "point", "typed", "1", "2", "3", "cov", "1", "2"}, "the command is written"},
+      {{"draw", "*", "roof", "point", "typed", "1", "2", "3", "cov", "1", "2", "0", "1", "0", "1"}, "no covariance"},
+      {{"draw", "*", "roof", "point", "typed", "1", "2", "3", "mark", "a.jpg", "1", "2", "0"}, "SIGMA_PX"},
+      {{"draw", "a,b", "roof", "point", "typed", "1", "2", "3"}, "FEATURE: \"a,b\" cannot be a new name"},
+      {{"attribute", "F1", "use", std::string(2001, 'x')}, "2000 bytes"},
+      {{"attribute", "F1", "use", "a\nb"}, "control character"},
+      {{"layer", "roof", "any", "red"}, "no colour"},
+      {{"layer", "roof", "all", "#000000"}, "no kind"},
       {{"undo", "2"}, "undo"}};
   for (const auto& [words, part] : cases) EXPECT_NE(error_of(words).find(part), std::string::npos) << error_of(words);
 }

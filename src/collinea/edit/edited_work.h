@@ -8,6 +8,7 @@
 
 #include "collinea/base/id.h"
 #include "collinea/cloud/cloud_edits.h"
+#include "collinea/vector/drawing.h"
 
 namespace collinea {
 
@@ -27,9 +28,10 @@ struct SeamPatch {
 
 /// What edits make beside control. Each kind of edit changes one of the parts.
 struct EditedWork {
-  std::vector<ImageMask> masks;      ///< in the order of their edits
-  std::vector<SeamPatch> patches;    ///< the same: where two overlap, the later one holds
-  std::vector<CloudRegion> regions;  ///< of the cloud, the same
+  std::vector<ImageMask> masks;    ///< in the order of their edits
+  std::vector<SeamPatch> patches;  ///< the same: where two overlap, the later one holds
+  Drawing drawing;
+  std::vector<CloudRegion> regions;  ///< of the cloud, in the order of their edits
 };
 
 /// A text that is equal only of equal patches; for fingerprints.

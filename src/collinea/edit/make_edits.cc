@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/edit/make_edits.h"
 
+#include <algorithm>
 #include <chrono>
 #include <map>
 
@@ -34,6 +35,7 @@ class Maker {
             return NewEdit{completed, restoring(kind.point, before, point, points_.context().block())};
           } else if constexpr (EditsWork<std::decay_t<decltype(kind)>>) {
             COLLINEA_TRY(auto completed, kind.completed(points_.context(), defaults_));
+            if constexpr (std::is_same_v<std::decay_t<decltype(kind)>, DrawFeature>) name(completed);
             EditedWork& now = work();
             std::vector<Words> replaced = completed.restoring(points_.context(), now);
             COLLINEA_TRY(completed.apply(points_.context(), now));
@@ -56,11 +58,24 @@ class Maker {
     return *work_;
   }
 
+  // The next id, behind all that were ever given, also to features that were undone.
+  void name(DrawFeature& draw) {
+    if (!last_feature_) {
+      last_feature_ = 0;
+      for (const EditEntry& entry : history_.entries())
+        if (const auto* drawn = std::get_if<DrawFeature>(&entry.edit))
+          last_feature_ = std::max(*last_feature_, DrawFeature::number_of(drawn->feature));
+    }
+    if (draw.feature == "*") draw.feature = DrawFeature::id_of(*last_feature_ + 1);
+    last_feature_ = std::max(*last_feature_, DrawFeature::number_of(draw.feature));
+  }
+
   PointsInForce points_;
   const EditHistory& history_;
   EditDefaults defaults_;
   std::map<std::string, EditedPoint> edited_;
   std::optional<EditedWork> work_;  // made when the first edit asks for it
+  std::optional<std::uint64_t> last_feature_;
 };
 
 Result<std::vector<NewEdit>> made(std::span<const Edit> edits, Maker maker) {

@@ -37,6 +37,12 @@ class Work : public EditsTest {
       for (const auto& height : {one.low_m, one.high_m}) text += " " + (height ? exact(*height) : "-");
       ring(one.ring_m);
     }
+    for (const DrawingLayer& one : work.drawing.layers) text += line_of(words_of(SetLayer{one})) + "; ";
+    for (const DrawnFeature& one : work.drawing.features) {
+      text += line_of(words_of(drawn_again(one))) + "; ";
+      for (const auto& [name, value] : one.attributes) text += name + "=" + value + "; ";
+    }
+    for (const std::string& id : work.drawing.erased) text += "erased " + id + "; ";
     return text;
   }
 
@@ -48,7 +54,20 @@ std::vector<std::string> any_work(Random& random) {
     return all[random.below(static_cast<std::uint32_t>(all.size()))];
   };
   const std::string name = one_of({"a", "b", "c"}),
-                    kind = one_of({"mask", "mask", "unmask", "patch", "patch", "unpatch", "classify", "cut", "crop"});
+                    kind = one_of({"mask", "mask", "unmask", "patch", "patch", "unpatch", "draw", "draw", "erase",
+                                   "attribute", "layer", "classify", "cut", "crop"});
+  const std::string feature = "F" + std::to_string(1 + random.below(12));
+  if (kind == "erase") return {kind, feature};
+  if (kind == "attribute") return {kind, feature, name, one_of({"x", "y", "-"})};
+  if (kind == "layer") return {kind, name, "any", one_of({"#000000", "#ff0000"})};
+  if (kind == "draw")
+    return {kind,   one_of({"*", "*", feature}),
+            name,   "point",
+            "mono", std::to_string(random.uniform()),
+            "2",    "3",
+            "mark", one_of({"photo 0.jpg", "PHOTO 3.JPG"}),
+            "1",    "2",
+            "0.5"};
   if (kind.starts_with("un")) return {kind, name};
   std::vector<std::string> words = {kind, name, one_of({"photo 0.jpg", "PHOTO 3.JPG"})};
   if (kind == "mask" && random.below(4) == 0) words[2] = "*";
@@ -68,7 +87,7 @@ TEST_F(Work, IsWhatTheEditsInForceMakeWhateverIsUndoneAndRedone) {
     kinds.insert(words[0]);
     states.push_back(now());
   }
-  EXPECT_EQ(kinds.size(), 7u);
+  EXPECT_EQ(kinds.size(), 11u);
   for (std::size_t i = states.size() - 1; i > 0; --i) {
     ASSERT_EQ(make({"undo"}), "");
     EXPECT_EQ(now(), states[i - 1]) << i;
@@ -101,6 +120,41 @@ TEST_F(Work, AnEntryHoldsTheCommandsThatWouldBringBackWhatItReplaced) {
     for (const Words& words : read->replaced) replaced.push_back(line_of(words));
   }
   EXPECT_EQ(replaced, (std::vector<std::string>{"unmask a", line_of(first), "mask a * 0 0 10 0 10 20"}));
+}
+
+TEST_F(Work, IdsOfFeaturesAreGivenOnceWhateverIsUndoneOrErased) {
+  const Words draw = {"draw", "*", "roof", "point", "typed", "1", "2", "3"};
+  std::set<std::string> ids;
+  for (int i = 0; i < 4; ++i) {
+    ASSERT_EQ(make(draw), "");
+    const std::string id = std::get<DrawFeature>(journal_.history().entries().back().edit).feature;
+    EXPECT_TRUE(ids.insert(id).second) << id;
+    ASSERT_EQ(make(i % 2 == 0 ? Words{"undo"} : Words{"erase", id}), "");
+  }
+  EXPECT_EQ(*ids.rbegin(), "F4");
+  ASSERT_EQ(make({"draw", "F9", "roof", "point", "typed", "1", "2", "3"}), "");  // by somebody else
+  ASSERT_EQ(make(draw), "");
+  EXPECT_EQ(std::get<DrawFeature>(journal_.history().entries().back().edit).feature, "F10");
+  EXPECT_NE(make({"draw", "F4", "roof", "point", "typed", "1", "2", "3"}).find("F4 was erased"), std::string::npos);
+}
+
+TEST_F(Work, AFeatureThatIsDrawnAgainKeepsItsAttributesAndItsPlace) {
+  for (const Words& words : {Words{"layer", "roof", "point", "#010203"},
+                             {"draw", "*", "roof", "point", "typed", "1", "2", "3"},
+                             {"draw", "*", "wall", "point", "typed", "1", "2", "3"},
+                             {"attribute", "F1", "use", "shed"},
+                             {"draw", "F1", "roof", "point", "typed", "7", "2", "3"}})
+    ASSERT_EQ(make(words), "");
+  EXPECT_EQ(now(),
+            "layer roof point \"#010203\"; draw F1 roof point typed 7 2 3; use=shed; draw F2 wall point typed 1 2 3; ");
+  EXPECT_NE(make({"draw", "*", "roof", "line", "typed", "1", "2", "3", "typed", "1", "2", "4"}).find("as a point"),
+            std::string::npos);
+  EXPECT_NE(make({"layer", "wall", "line", "#010203"}).find("F2 on it is a point"), std::string::npos);
+  EXPECT_EQ(make({"attribute", "F7", "use", "shed"}), "there is no feature F7");
+  EXPECT_EQ(make({"erase", "F7"}), "there is no feature F7");
+  EXPECT_NE(make({"draw", "*", "a", "point", "typed", "1", "2", "3", "mark", "none.jpg", "1", "2", "1"})
+                .find("no image is called"),
+            std::string::npos);
 }
 
 TEST_F(Work, WhatDoesNotFitIsRefusedAndAfterAnotherImportLeftOut) {

@@ -75,40 +75,6 @@ TextTable marks_table(const MeasuredReport& report) {
 bool is_angle(FigureKind kind) { return unit_of(kind) == "rad"; }
 std::string shown_unit(FigureKind kind) { return is_angle(kind) ? "deg" : std::string(unit_of(kind)); }
 
-std::vector<NamedTable> figure_tables(const MeasuredReport& report) {
-  if (report.figures.empty()) return {};
-  TextTable table;
-  table.columns = {{"figure", ""}, {"points", ""}, {"value", ""}, {"sigma", ""}, {"unit", ""}};
-  for (const MeasuredReport::Figure& figure : report.figures) {
-    const double factor = is_angle(figure.kind) ? kDegrees : 1;
-    std::vector<std::string> row{std::string(word_of(figure.kind)), fmt::format("{}", fmt::join(figure.points, "-"))};
-    if (figure.measured)
-      row.insert(row.end(),
-                 {decimal_text(factor * figure.measured->value, 6), decimal_text(factor * figure.measured->sigma, 6)});
-    row.resize(4, "-");
-    row.push_back(shown_unit(figure.kind));
-    table.rows.push_back(std::move(row));
-  }
-  return {{"figures.txt", std::move(table)}};
-}
-
-std::string figures_text(const MeasuredReport& report) {
-  std::vector<Estimate> estimates;
-  std::string missing;
-  for (const MeasuredReport::Figure& figure : report.figures) {
-    const std::string name = fmt::format("{} {}", word_of(figure.kind), fmt::join(figure.points, " "));
-    const double factor = is_angle(figure.kind) ? kDegrees : 1;
-    if (figure.measured)
-      estimates.push_back(
-          {name, shown_unit(figure.kind), factor * figure.measured->value, factor * figure.measured->sigma});
-    else
-      missing += fmt::format(
-          "{}: {}\n", name,
-          figure.undetermined.empty() ? figure.refused : "point " + figure.undetermined + " is not determined");
-  }
-  return (estimates.empty() ? "" : "\n" + estimates_text(estimates)) + missing;
-}
-
 // The worst mark beyond the limit, and what has no position.
 std::string remarks_of(const MeasuredReport::Point& point) {
   std::string text;
@@ -135,6 +101,40 @@ std::string remarks_of(const MeasuredReport::Point& point) {
 
 }  // namespace
 
+std::vector<NamedTable> figure_tables(std::span<const MeasuredReport::Figure> figures) {
+  if (figures.empty()) return {};
+  TextTable table;
+  table.columns = {{"figure", ""}, {"points", ""}, {"value", ""}, {"sigma", ""}, {"unit", ""}};
+  for (const MeasuredReport::Figure& figure : figures) {
+    const double factor = is_angle(figure.kind) ? kDegrees : 1;
+    std::vector<std::string> row{std::string(word_of(figure.kind)), fmt::format("{}", fmt::join(figure.points, "-"))};
+    if (figure.measured)
+      row.insert(row.end(),
+                 {decimal_text(factor * figure.measured->value, 6), decimal_text(factor * figure.measured->sigma, 6)});
+    row.resize(4, "-");
+    row.push_back(shown_unit(figure.kind));
+    table.rows.push_back(std::move(row));
+  }
+  return {{"figures.txt", std::move(table)}};
+}
+
+std::string figures_text(std::span<const MeasuredReport::Figure> figures) {
+  std::vector<Estimate> estimates;
+  std::string missing;
+  for (const MeasuredReport::Figure& figure : figures) {
+    const std::string name = fmt::format("{} {}", word_of(figure.kind), fmt::join(figure.points, " "));
+    const double factor = is_angle(figure.kind) ? kDegrees : 1;
+    if (figure.measured)
+      estimates.push_back(
+          {name, shown_unit(figure.kind), factor * figure.measured->value, factor * figure.measured->sigma});
+    else
+      missing += fmt::format(
+          "{}: {}\n", name,
+          figure.undetermined.empty() ? figure.refused : "point " + figure.undetermined + " is not determined");
+  }
+  return (estimates.empty() ? "" : "\n" + estimates_text(estimates)) + missing;
+}
+
 std::string measured_text(const MeasuredReport& report) {
   std::size_t determined = 0;
   for (const MeasuredReport::Point& point : report.points) determined += point.position.has_value();
@@ -145,12 +145,12 @@ std::string measured_text(const MeasuredReport& report) {
     text += "nothing gives the block position, attitude and scale: sigmas are those of its shape\n";
   text += indented_rows(points_table(report, false));
   for (const MeasuredReport::Point& point : report.points) text += remarks_of(point);
-  return text + figures_text(report);
+  return text + figures_text(report.figures);
 }
 
 std::vector<NamedTable> measured_tables(const MeasuredReport& report) {
   std::vector<NamedTable> tables{{"points.txt", points_table(report, true)}, {"marks.txt", marks_table(report)}};
-  for (NamedTable& figures : figure_tables(report)) tables.push_back(std::move(figures));
+  for (NamedTable& figures : figure_tables(report.figures)) tables.push_back(std::move(figures));
   return tables;
 }
 

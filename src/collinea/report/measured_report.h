@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,10 @@ struct MeasuredReport {
   std::vector<Figure> figures;
 };
 
+/// Figures with their standard deviations, and why others have none; begins with an empty line.
+[[nodiscard]] std::string figures_text(std::span<const MeasuredReport::Figure> figures);
+/// figures.txt; none without figures.
+[[nodiscard]] std::vector<NamedTable> figure_tables(std::span<const MeasuredReport::Figure> figures);
 [[nodiscard]] std::string measured_text(const MeasuredReport& report);
 /// points.txt (point, E, N, H or X, Y, Z, their sigmas and correlations, images), marks.txt (point, image, residuals,
 /// redundancy, w, minimal detectable bias) and, where there are figures, figures.txt (figure, points, value, sigma).

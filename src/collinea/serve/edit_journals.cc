@@ -2,6 +2,7 @@
 #include "collinea/serve/edit_journals.h"
 
 #include "collinea/base/file.h"
+#include "collinea/edit/work_in_force.h"
 #include "collinea/serve/edits_json.h"
 
 namespace collinea {

@@ -82,4 +82,16 @@ Result<std::optional<NextMark>> HeldBlock::next_mark(const std::map<ControlId, C
   return best_next_mark(held->block, points_of(control, marks, held->factors), possible);
 }
 
+Result<HeightSpan> HeldBlock::span_of(const std::filesystem::path& surface) {
+  const std::lock_guard lock(span_mutex_);
+  std::error_code error;
+  KnownSpan now{std::filesystem::file_size(surface, error), {}, {}};
+  now.changed = std::filesystem::last_write_time(surface, error);
+  if (span_ && !error && span_->bytes == now.bytes && span_->changed == now.changed) return span_->span;
+  COLLINEA_TRY(const HeightField heights, open_height_field(surface));
+  COLLINEA_TRY(now.span, height_span(heights, {}));
+  span_ = now;
+  return now.span;
+}
+
 }  // namespace collinea

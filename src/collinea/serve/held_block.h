@@ -15,6 +15,7 @@
 #include "collinea/quality/marked_points.h"
 #include "collinea/quality/variance_components.h"
 #include "collinea/store/project_store.h"
+#include "collinea/surface/monoplot.h"
 
 namespace collinea {
 
@@ -48,10 +49,18 @@ class HeldBlock {
   [[nodiscard]] Result<std::optional<NextMark>> next_mark(const std::map<ControlId, ControlPoint>& control,
                                                           const std::vector<ControlObservation>& marks,
                                                           std::span<const PossibleMark> possible);
+  /// Between which heights a surface lies, read again when its file changes. Errors: height_span().
+  [[nodiscard]] Result<HeightSpan> span_of(const std::filesystem::path& surface);
 
  private:
   std::filesystem::path project_;
-  std::mutex ties_mutex_, marked_mutex_;
+  std::mutex ties_mutex_, marked_mutex_, span_mutex_;
+  struct KnownSpan {
+    std::uintmax_t bytes = 0;
+    std::filesystem::file_time_type changed;
+    HeightSpan span;
+  };
+  std::optional<KnownSpan> span_;
   std::shared_ptr<const TiedBlock> ties_;
   struct Marked {
     MarkedBlock block;

@@ -55,6 +55,11 @@ class ProjectView {
     return held_->next_mark(control, marks, possible);
   }
 
+  /// Between which heights a surface of the project lies. Errors: those of HeldBlock.
+  [[nodiscard]] Result<HeightSpan> span_of_surface(const std::filesystem::path& surface) const {
+    return held_->span_of(surface);
+  }
+
   /// The tests that the adjustment left of a mark; nothing when it took no part, or has been moved since.
   [[nodiscard]] std::optional<MarkTests> tests_of(const ControlObservation& mark) const;
 

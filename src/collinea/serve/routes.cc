@@ -3,6 +3,7 @@
 
 #include "collinea/project/settings_change.h"
 #include "collinea/serve/control_routes.h"
+#include "collinea/serve/drawing_routes.h"
 #include "collinea/serve/edit_routes.h"
 #include "collinea/serve/image_routes.h"
 #include "collinea/serve/internal/byte_range.h"
@@ -88,6 +89,7 @@ HttpResponse project_response(const HttpRequest& request, const Target& target, 
     return file_response(request, *project, std::span(target.path).subspan(4));
   }
   if (auto response = control_response(request, target, *project, *site.views)) return *std::move(response);
+  if (auto response = drawing_response(request, target, *project, *site.views)) return *std::move(response);
   if (what == "images")
     return reads ? image_response(request, *project, std::span(target.path).subspan(4), *site.views)
                  : method_not_allowed("GET");

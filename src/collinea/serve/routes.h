@@ -35,6 +35,7 @@ struct Site {
 ///     GET  /api/projects/ID/edits                     POST /api/projects/ID/edits
 ///     GET  /api/projects/ID/images, images/3/tiles/0/0/0.jpg, images/3/residuals
 ///     GET  /api/projects/ID/map, ties, control
+///     GET  /api/projects/ID/drawing                   POST /api/projects/ID/vertices, figures, volume, profile
 ///
 /// HEAD is answered as GET; the server leaves the body out.
 [[nodiscard]] HttpResponse answer(const HttpRequest& request, Site& site);

@@ -14,21 +14,12 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kStep = 0.25;              // of a cell, along the ray in plan
-constexpr double kLeastAngle_rad = 0.0087;  // half a degree: an error of a height moves the point 115 times as far
-constexpr double kPixelStep_px = 0.01;      // of a derivative
-constexpr int kMargin = 3;                  // cells round a window
+constexpr double kStep = 0.25;          // of a cell, along the ray in plan
+constexpr double kPixelStep_px = 0.01;  // of a derivative
+constexpr int kMargin = 3;              // cells round a window
 
-// Between which heights the surface lies.
-struct Span {
-  double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
-};
-
-// A ray: the point at t is centre + t direction.
-struct Ray {
-  Vector3d centre, direction;
-  [[nodiscard]] Vector3d at(double t) const { return centre + t * direction; }
-};
+using Ray = SurfaceRay;
+using Span = HeightSpan;
 
 // The part of a ray in the box of the surface; empty: first > last.
 struct Part {
@@ -113,6 +104,8 @@ Result<Window> window_under(const Ray& ray, const Part& part, const HeightField&
   };
   const auto [column, width] = cells(grid.column_of(a.x()), grid.column_of(b.x()), grid.width);
   const auto [row, height] = cells(grid.row_of(a.y()), grid.row_of(b.y()), grid.height);
+  if (double(width) * height > kMostCellsUnderRay)
+    return fail(Errc::kUnsupported, "the ray runs too flat over the surface to be followed");
   window.column = column;
   window.row = row;
   COLLINEA_TRY(window.heights_m, surface.read(column, row, width, height));
@@ -173,7 +166,7 @@ MonoplotPoint point_at(const UncertainSightLine& given, const Ray& ray, double t
   const Vector3d normal(-slope.x(), -slope.y(), 1);
   const double along = normal.dot(ray.direction);
   point.angle_rad = std::asin(std::min(std::abs(along) / (normal.norm() * ray.direction.norm()), 1.0));
-  if (!(point.angle_rad > kLeastAngle_rad)) {
+  if (!(point.angle_rad > kLeastMeetingAngle_rad)) {
     point.outcome = MonoplotOutcome::kGrazes;
     return point;
   }
@@ -199,20 +192,16 @@ Result<MonoplotPoint> plotted(const UncertainSightLine& line, const HeightField&
                               std::optional<double> sigma_m) {
   const Ray ray = ray_of(line.line, line.line.pixel);
   if (!ray.direction.allFinite()) return MonoplotPoint{};
-  const Part part = part_of(ray, surface.grid, span);
-  if (!(part.first <= part.last)) return MonoplotPoint{};
-  COLLINEA_TRY(const Window window, window_under(ray, part, surface));
-  const Crossing at = crossing(ray, part, window);
-  if (at.outcome != MonoplotOutcome::kFound) return MonoplotPoint{.outcome = at.outcome};
-  const Vector3d position = ray.at(at.t);
-  double sigma = surface.read_sigma ? window.sigma(position.x(), position.y()) : sigma_m.value_or(0);
-  if (!std::isfinite(sigma)) sigma = sigma_m.value_or(kNone);
-  return point_at(line, ray, at.t, window.slope(position.x(), position.y()), sigma);
+  COLLINEA_TRY(const SurfaceMeeting met, meeting(ray, surface, span, sigma_m));
+  if (met.outcome != MonoplotOutcome::kFound) return MonoplotPoint{.outcome = met.outcome};
+  return point_at(line, ray, met.t, met.slope, met.sigma_m);
 }
 
-Result<Span> span_of(const HeightField& surface, const Run& run) {
+}  // namespace
+
+Result<HeightSpan> height_span(const HeightField& surface, const Run& run) {
   COLLINEA_TRY(const HeightOverview blocks, overview(surface, run));
-  Span span;
+  Span span{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   for (const float low : blocks.lowest_m.data)
     if (std::isfinite(low)) span.low = std::min(span.low, double(low));
   for (const float high : blocks.highest_m.data)
@@ -221,11 +210,22 @@ Result<Span> span_of(const HeightField& surface, const Run& run) {
   return span;
 }
 
-}  // namespace
+Result<SurfaceMeeting> meeting(const SurfaceRay& ray, const HeightField& surface, const HeightSpan& span,
+                               std::optional<double> sigma_m) {
+  const Part part = part_of(ray, surface.grid, span);
+  if (!(part.first <= part.last)) return SurfaceMeeting{};
+  COLLINEA_TRY(const Window window, window_under(ray, part, surface));
+  const Crossing at = crossing(ray, part, window);
+  if (at.outcome != MonoplotOutcome::kFound) return SurfaceMeeting{.outcome = at.outcome};
+  const Vector3d position = ray.at(at.t);
+  double sigma = surface.read_sigma ? window.sigma(position.x(), position.y()) : sigma_m.value_or(0);
+  if (!std::isfinite(sigma)) sigma = sigma_m.value_or(kNone);
+  return SurfaceMeeting{at.outcome, at.t, window.slope(position.x(), position.y()), sigma};
+}
 
 Result<std::vector<MonoplotPoint>> monoplot(std::span<const UncertainSightLine> lines, const HeightField& surface,
                                             std::optional<double> sigma_m, const Run& run) {
-  COLLINEA_TRY(const Span span, span_of(surface, run));
+  COLLINEA_TRY(const Span span, height_span(surface, run));
   std::vector<MonoplotPoint> points;
   for (const UncertainSightLine& line : lines) {
     COLLINEA_TRY(MonoplotPoint point, plotted(line, surface, span, sigma_m));

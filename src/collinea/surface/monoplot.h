@@ -23,6 +23,34 @@ inline constexpr Word<MonoplotOutcome> kMonoplotOutcomeWords[] = {
     {MonoplotOutcome::kGrazes, "grazes", "the ray runs along the surface (below half a degree): no position"}};
 [[nodiscard]] constexpr std::span<const Word<MonoplotOutcome>> words(MonoplotOutcome) { return kMonoplotOutcomeWords; }
 
+/// A ray: the point at t is centre + t direction.
+struct SurfaceRay {
+  Eigen::Vector3d centre, direction;
+  [[nodiscard]] Eigen::Vector3d at(double t) const { return centre + t * direction; }
+};
+
+/// Between which heights a surface lies [m].
+struct HeightSpan {
+  double low = 0, high = 0;
+};
+/// Reads all of it. Errors: the raster; no heights; stopped.
+[[nodiscard]] Result<HeightSpan> height_span(const HeightField& surface, const Run& run);
+
+/// Where a ray first goes below a surface.
+struct SurfaceMeeting {
+  MonoplotOutcome outcome = MonoplotOutcome::kMisses;
+  double t = 0;                                     ///< on the ray
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< of the surface there, by east and north
+  double sigma_m = 0;                               ///< of its height; NaN: the surface states none there
+};
+/// The ray in the coordinates of the surface. `sigma_m`: as of monoplot(). Errors: the raster; kUnsupported, more than
+/// kMostCellsUnderRay cells under the ray: it runs too flat.
+[[nodiscard]] Result<SurfaceMeeting> meeting(const SurfaceRay& ray, const HeightField& surface, const HeightSpan& span,
+                                             std::optional<double> sigma_m);
+inline constexpr double kMostCellsUnderRay = 1e8;
+inline constexpr double kLeastMeetingAngle_rad =
+    0.0087;  ///< half a degree: an error of a height moves 115 times as far
+
 /// Where the ray of an image point meets a surface.
 struct MonoplotPoint {
   MonoplotOutcome outcome = MonoplotOutcome::kMisses;
@@ -38,8 +66,8 @@ struct MonoplotPoint {
 /// cells), a change of the ray moves what it passes by  dX = t dd + dC  and the point by  (I - d n'/n.d) dX;  an error
 /// e of the height by  d e / n.d.  Nothing is assumed of how errors of neighbouring heights depend on each other.
 /// `sigma_m`: of heights whose raster states none; nothing: exact where there is no raster of sigmas, unknown where
-/// that has no value. Cost: cells under a ray, between the lowest and the highest one of the surface. Errors: the
-/// raster.
+/// that has no value. Cost: cells under a ray, between the lowest and the highest one of the surface. Errors: those
+/// of height_span() and meeting().
 [[nodiscard]] Result<std::vector<MonoplotPoint>> monoplot(std::span<const UncertainSightLine> lines,
                                                           const HeightField& surface, std::optional<double> sigma_m,
                                                           const Run& run);

@@ -24,6 +24,16 @@ std::string layer_name(std::string_view name) {
   return out.empty() ? "0" : out;
 }
 
+// A style as GDAL reads it.
+std::string pen(const std::array<std::uint8_t, 3>& colour) {
+  std::string text = "PEN(c:#";
+  for (const std::uint8_t part : colour) {
+    text += "0123456789abcdef"[part / 16];
+    text += "0123456789abcdef"[part % 16];
+  }
+  return text + ")";
+}
+
 OGRGeometryH point(const Eigen::Vector3d& position) {
   const OGRGeometryH made = OGR_G_CreateGeometry(wkbPoint25D);
   OGR_G_AddPoint(made, position.x(), position.y(), position.z());
@@ -39,20 +49,21 @@ OGRGeometryH line(const std::vector<Eigen::Vector3d>& positions, bool is_closed)
 }
 
 // The entity takes the geometry.
-bool add_entity(OGRLayerH entities, const std::string& layer, OGRGeometryH geometry) {
+bool add_entity(OGRLayerH entities, const VectorLayer& layer, OGRGeometryH geometry) {
   const std::unique_ptr<void, FeatureDestroyer> entity(OGR_F_Create(OGR_L_GetLayerDefn(entities)));
-  OGR_F_SetFieldString(entity.get(), OGR_F_GetFieldIndex(entity.get(), "Layer"), layer.c_str());
+  OGR_F_SetFieldString(entity.get(), OGR_F_GetFieldIndex(entity.get(), "Layer"), layer_name(layer.name).c_str());
+  if (layer.style) OGR_F_SetStyleString(entity.get(), pen(layer.style->colour).c_str());
   return OGR_F_SetGeometryDirectly(entity.get(), geometry) == OGRERR_NONE &&
          OGR_L_CreateFeature(entities, entity.get()) == OGRERR_NONE;
 }
 
 bool add_row(OGRLayerH entities, const VectorLayer& layer, const VectorRow& row) {
-  const std::string name = layer_name(layer.name);
   if (row.positions.empty()) return true;
-  if (layer.kind == VectorKind::kPoint) return add_entity(entities, name, point(row.positions.front()));
+  if (layer.kind == VectorKind::kPoint) return add_entity(entities, layer, point(row.positions.front()));
   const bool is_closed = layer.kind == VectorKind::kPolygon;
-  bool added = row.positions.size() < 2 || add_entity(entities, name, line(row.positions, is_closed));
-  for (const auto& hole : row.holes) added = added && (hole.size() < 2 || add_entity(entities, name, line(hole, true)));
+  bool added = row.positions.size() < 2 || add_entity(entities, layer, line(row.positions, is_closed));
+  for (const auto& hole : row.holes)
+    added = added && (hole.size() < 2 || add_entity(entities, layer, line(hole, true)));
   return added;
 }
 

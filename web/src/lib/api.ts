@@ -4,6 +4,7 @@ import type {
   Cloud, Control, Edits, Images, MapInfo, MarkKind, NextMark, OptionGroup, OptionValues, Places, Project, ProjectName, Refined, Residual, Settings, TiePoint, Vector2,
   Work,
 } from "./types";
+import type { AskedVertex, Drawing, FigureKind, MeasuredFigure, MeasuredProfile, MeasuredVolume, Vertex } from "./drawing_types";
 
 /** The server said no. */
 export class Refused extends Error {
@@ -62,6 +63,16 @@ export const refine = (id: string, image: number, pixel: Vector2, kind: MarkKind
 export const edits = (id: string, since = 0): Promise<Edits> => ask(`${base(id)}/edits?since=${since}`);
 /** A command of control and marks, as docs/manual/serve.md lists them. */
 export const edit = (id: string, command: string[]): Promise<{ number: number }> => ask(`${base(id)}/edits`, { command });
+
+export const vertices = (id: string, asked: AskedVertex[]): Promise<{ vertices: (Vertex | { error: string })[] }> =>
+  ask(`${base(id)}/vertices`, { vertices: asked });
+/** Several figures of the same vertices: those that they have, and why not the others. */
+export const figures = (id: string, kinds: FigureKind[], asked: AskedVertex[]): Promise<{ figures: (MeasuredFigure | { kind: FigureKind; error: string })[] }> =>
+  ask(`${base(id)}/figures`, { figures: kinds, vertices: asked });
+export const volume = (id: string, ring: Vector2[], over: "rim" | number): Promise<MeasuredVolume> => ask(`${base(id)}/volume`, { ring, base: over });
+export const profile = (id: string, line: Vector2[]): Promise<MeasuredProfile> => ask(`${base(id)}/profile`, { line });
+/** All features; with the pixels at which a photograph shows their vertices where one is named. */
+export const drawing = (id: string, image?: number): Promise<Drawing> => ask(`${base(id)}/drawing${image === undefined ? "" : `?image=${image}`}`);
 
 /** The address of a file of a project, for links and readers by range. */
 export const fileAddress = (id: string, path: string): string => `${base(id)}/files/${path.split("/").map(encodeURIComponent).join("/")}`;

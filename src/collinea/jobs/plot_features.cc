@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/jobs/plot_features.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "collinea/base/file.h"
+#include "collinea/block/world_frame.h"
+#include "collinea/edit/make_edits.h"
+#include "collinea/edit/read_work.h"
+#include "collinea/io/code_list.h"
+#include "collinea/jobs/drawing_files.h"
+#include "collinea/jobs/internal/asked_figures.h"
+#include "collinea/jobs/internal/feature_table.h"
+#include "collinea/project/project.h"
+#include "collinea/restitution/drawn_vertex.h"
+
+namespace collinea {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What vertices of a project are plotted in.
+struct Plotting {
+  Block block;
+  BlockCovariances covariances;
+  std::map<ImageId, std::vector<std::size_t>> observations;
+  std::optional<LocalFrame> frame;
+  std::optional<PlottingSurface> surface;
+  double sigma0 = 1;
+
+  static Result<Plotting> of(const Project& project) {
+    Plotting all;
+    COLLINEA_TRY(all.block, project.store.read_block());
+    if (count_oriented(all.block) == 0)
+      return fail(Errc::kIllPosed, "the images are not oriented yet: bring the project to the step orient first");
+    COLLINEA_TRY(all.covariances, project.store.read_covariances());
+    all.observations = observations_by_image(all.block);
+    COLLINEA_TRY(all.frame, world_frame(all.block));
+    const auto adjustment = project.store.read_outcome<AdjustmentRecord>();
+    if (!adjustment && adjustment.error().code != Errc::kNotFound) return tl::unexpected(adjustment.error());
+    if (adjustment && adjustment->sigma0 > 1e-9) all.sigma0 = adjustment->sigma0;
+    if (const fs::path dsm = project.folder / "products" / "dsm.tif"; is_there(dsm)) {
+      COLLINEA_TRY(all.surface, PlottingSurface::open(dsm));
+    }
+    return all;
+  }
+  [[nodiscard]] VertexPlotter plotter() {
+    return {{block, observations, covariances.poses, sigma0}, frame ? &*frame : nullptr, surface ? &*surface : nullptr};
+  }
+};
+
+/// Features as they were plotted.
+struct Plotted {
+  std::vector<Edit> edits;
+  std::map<std::string, std::vector<PlottedVertex>> vertices;  // of features that are drawn, by their ids
+};
+
+void plot_feature(const AskedFeature& asked, VertexPlotter& plotter, const Block& block, PlotReport& report,
+                  Plotted& all) {
+  PlotReport::Feature& feature = report.features.emplace_back();
+  feature.id = asked.id;
+  feature.layer = asked.layer;
+  feature.kind = asked.kind;
+  DrawFeature draw{asked.id, asked.layer, asked.kind, {}};
+  std::vector<PlottedVertex> vertices;
+  for (const AskedVertex& one : asked.vertices) {
+    PlotReport::Vertex& vertex = feature.vertices.emplace_back();
+    const auto plotted = plotter.plot(one);
+    if (!plotted) {
+      vertex.refused = plotted.error().message;
+      continue;
+    }
+    vertex.drawn = drawn_vertex(plotter, one, *plotted, block);
+    vertex.residuals_px = plotted->residuals_px;
+    draw.vertices.push_back(*vertex.drawn);
+    vertices.push_back(*plotted);
+  }
+  if (vertices.size() != asked.vertices.size()) return;
+  all.vertices[asked.id] = std::move(vertices);
+  all.edits.emplace_back(std::move(draw));
+  if (!asked.code.empty()) all.edits.emplace_back(SetAttribute{asked.id, "code", asked.code});
+}
+
+// "roof": all vertices of a feature; "roof.2": one of them.
+std::vector<PlottedVertex> vertices_named(const std::string& name,
+                                          const std::map<std::string, std::vector<PlottedVertex>>& all) {
+  if (const auto whole = all.find(name); whole != all.end()) return whole->second;
+  const auto point = name.rfind('.');
+  if (point == std::string::npos) return {};
+  const auto of = all.find(name.substr(0, point));
+  std::size_t number = 0;
+  const char* end = name.data() + name.size();
+  const bool is_number = std::from_chars(name.data() + point + 1, end, number).ptr == end;
+  if (of == all.end() || !is_number || number == 0 || number > of->second.size()) return {};
+  return {of->second[number - 1]};
+}
+
+Result<> measure(std::vector<MeasuredReport::Figure>& figures, VertexPlotter& plotter,
+                 const std::map<std::string, std::vector<PlottedVertex>>& all) {
+  for (MeasuredReport::Figure& figure : figures) {
+    std::vector<PlottedVertex> vertices;
+    for (const std::string& name : figure.points) {
+      const auto named = vertices_named(name, all);
+      if (named.empty()) return fail(Errc::kBadInput, "no vertex is called \"" + name + "\"", {"figures"_option});
+      vertices.insert(vertices.end(), named.begin(), named.end());
+    }
+    const auto measured = VertexFigures(plotter, std::move(vertices)).measure(figure.kind);
+    if (measured)
+      figure.measured = {measured->value, measured->sigma.value_or(std::numeric_limits<double>::quiet_NaN())};
+    else
+      figure.refused = measured.error().message;
+  }
+  return {};
+}
+
+// With features drawn before: figures may name these as well.
+Result<> add_drawn(const Drawing& drawing, VertexPlotter& plotter, const Block& block,
+                   std::map<std::string, std::vector<PlottedVertex>>& all) {
+  for (const DrawnFeature& feature : drawing.features) {
+    if (all.contains(feature.id)) continue;
+    std::vector<PlottedVertex>& vertices = all[feature.id];
+    for (const DrawnVertex& vertex : feature.vertices) {
+      COLLINEA_TRY(PlottedVertex plotted, plotter.plot(repeated_vertex(vertex, block)));
+      vertices.push_back(std::move(plotted));
+    }
+  }
+  return {};
+}
+
+Result<std::vector<DrawingCode>> codes_of(const fs::path& folder, const std::optional<fs::path>& given) {
+  if (!given) return code_list_of(folder);
+  COLLINEA_TRY(std::vector<DrawingCode> codes, read_code_list(*given));
+  COLLINEA_TRY(const std::string text, read_file(*given));
+  COLLINEA_TRY(write_file(folder / "codes.txt", text));
+  return codes;
+}
+
+}  // namespace
+
+Result<PlotReport> plot_features(const fs::path& folder, const std::optional<fs::path>& table,
+                                 const PlotOptions& options, const Run& run) {
+  COLLINEA_TRY(validate(options));
+  PlotReport report;
+  COLLINEA_TRY(report.figures, read_figures(options.figures));
+  COLLINEA_TRY(const Project project, open_project(folder, run));
+  COLLINEA_TRY(const std::vector<DrawingCode> codes, codes_of(folder, options.codes));
+  Plotted all;
+  std::optional<Plotting> plotting;
+  std::optional<VertexPlotter> plotter;
+  if (table || !report.figures.empty()) {
+    COLLINEA_TRY(plotting, Plotting::of(project));
+    plotter.emplace(plotting->plotter());
+  }
+  if (table) {
+    COLLINEA_TRY(const TextTable text, read_text_table(*table));
+    COLLINEA_TRY(const auto asked,
+                 features_in(text, plotting->block, codes, options.sigma_px, options.layer).map_error([&](Error e) {
+                   return std::move(e).within(table->string());
+                 }));
+    for (const AskedFeature& feature : asked) plot_feature(feature, *plotter, plotting->block, report, all);
+    Journal journal(folder);
+    if (!all.edits.empty()) {
+      COLLINEA_TRY([[maybe_unused]] const EditsMade made, make_edits(folder, journal, all.edits));
+    }
+  }
+  COLLINEA_TRY(const EditedWork work, read_work(project));
+  if (!report.figures.empty()) {
+    COLLINEA_TRY(add_drawn(work.drawing, *plotter, plotting->block, all.vertices));
+    COLLINEA_TRY(measure(report.figures, *plotter, all.vertices));
+  }
+  report.features_in_force = work.drawing.features.size();
+  COLLINEA_TRY(const DrawingFiles written, write_drawing(project, work.drawing, codes));
+  report.crs = written.crs;
+  report.files = written.files;
+  return report;
+}
+
+}  // namespace collinea

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "collinea/report/measured_report.h"
+#include "collinea/vector/drawing.h"
+
+namespace collinea {
+
+/// Features that were drawn into a project, and what its drawing holds now.
+struct PlotReport {
+  struct Vertex {
+    std::optional<DrawnVertex> drawn;
+    std::string refused;                             ///< why it is not
+    std::vector<Eigen::Vector2d> residuals_px = {};  ///< of its marks
+  };
+  struct Feature {
+    std::string id, layer;
+    VectorKind kind = VectorKind::kLine;
+    std::vector<Vertex> vertices;  ///< it is drawn when all are
+  };
+  std::string crs;  ///< of the map; empty: positions are in the frame of the block
+  std::vector<Feature> features;
+  std::vector<MeasuredReport::Figure> figures;
+  std::size_t features_in_force = 0;
+  std::vector<std::string> files;  ///< that were written, below the project
+};
+
+[[nodiscard]] std::string plot_text(const PlotReport& report);
+/// vertices.txt (feature, vertex, layer, source, E, N, H, their sigmas and covariances) and, where there are figures,
+/// figures.txt.
+[[nodiscard]] std::vector<NamedTable> plot_tables(const PlotReport& report);
+
+}  // namespace collinea

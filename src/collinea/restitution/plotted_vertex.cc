@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/restitution/plotted_vertex.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <numeric>
+
+#include "collinea/epipolar/intersect.h"
+#include "collinea/geometry/rotation.h"
+
+namespace collinea {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Matrix36 = Eigen::Matrix<double, 3, 6>;
+
+// Marks of one image count as one.
+std::size_t count_images(std::span<const ImageMark> marks) {
+  std::set<ImageId> images;
+  for (const ImageMark& mark : marks) images.insert(mark.image);
+  return images.size();
+}
+
+Result<> check(const Block& block, const ImageMark& mark) {
+  if (!block.images.contains(mark.image)) return fail(Errc::kNotFound, "there is no such image");
+  const std::string& file = block.images.at(mark.image).file;
+  if (!is_oriented(block, mark.image)) return fail(Errc::kIllPosed, "image " + file + " is not oriented");
+  if (!(mark.sigma_px > 0)) return fail(Errc::kBadInput, "sigma_px: a standard deviation is above 0");
+  if (!mark.pixel.allFinite() || !inside(block.camera_of(mark.image), mark.pixel))
+    return fail(Errc::kBadInput, "the mark is not inside of image " + file);
+  return {};
+}
+
+void add(std::vector<std::pair<ImageId, Matrix36>>& all, ImageId image, const Matrix36& by_pose) {
+  for (auto& [known, sum] : all)
+    if (known == image) {
+      sum += by_pose;
+      return;
+    }
+  all.emplace_back(image, by_pose);
+}
+
+SurfaceRay ray_of(const Block& block, const ImageMark& mark) {
+  const Rigid3 pose = pose_of(block, mark.image);
+  return {centre_of(pose),
+          pose.rotation.conjugate() * normalized(block.camera_of(mark.image), mark.pixel).homogeneous()};
+}
+
+// What a ray and its pixel are to each other, at the point that it passes at t.
+Eigen::Matrix<double, 3, 2> by_pixel(const Block& block, const ImageMark& mark, double t) {
+  constexpr double kStep_px = 0.01;
+  Eigen::Matrix<double, 3, 2> out;
+  for (int k = 0; k < 2; ++k) {
+    ImageMark ahead = mark, behind = mark;
+    ahead.pixel[k] += kStep_px;
+    behind.pixel[k] -= kStep_px;
+    out.col(k) = (ray_of(block, ahead).direction - ray_of(block, behind).direction) * (t / (2 * kStep_px));
+  }
+  return out;
+}
+
+std::string message_of(MonoplotOutcome outcome) {
+  for (const auto& word : words(outcome))
+    if (word.value == outcome) return std::string(word.meaning);
+  return {};
+}
+
+}  // namespace
+
+Vector3d VertexPlotter::in_world(const Vector3d& on_map) const {
+  return frame_ ? frame_->local_from_map(on_map) : on_map;
+}
+Vector3d VertexPlotter::in_map(const Vector3d& in_world) const {
+  return frame_ ? frame_->map_from_local(in_world) : in_world;
+}
+
+Matrix3d VertexPlotter::map_by_world(const Vector3d& position_in_world) const {
+  if (!frame_) return Matrix3d::Identity();
+  constexpr double kStep_m = 1;  // far above rounding of coordinates, far below what bends a map
+  Matrix3d out;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vector3d step = kStep_m * Vector3d::Unit(axis);
+    out.col(axis) = (in_map(position_in_world + step) - in_map(position_in_world - step)) / (2 * kStep_m);
+  }
+  return out;
+}
+
+Result<PlottedVertex> VertexPlotter::plot(const AskedVertex& asked) {
+  COLLINEA_TRY(PlottedVertex vertex, std::visit([&](const auto& one) { return plot_one(one); }, asked));
+  if (!vertex.position.allFinite() || !vertex.position_in_world.allFinite())
+    return fail(Errc::kBadInput, "the vertex lies outside of where the map is defined");
+  return vertex;
+}
+
+Result<PlottedVertex> VertexPlotter::plot_one(const MarkedVertex& asked) {
+  if (asked.marks.empty()) return fail(Errc::kBadInput, "a vertex has one mark or more");
+  for (const ImageMark& mark : asked.marks) COLLINEA_TRY(check(marking_.block, mark));
+  return count_images(asked.marks) == 1 ? mono(asked.marks.front()) : stereo(asked.marks);
+}
+
+Result<PlottedVertex> VertexPlotter::stereo(std::span<const ImageMark> marks) {
+  const Block& block = marking_.block;
+  std::vector<SightLine> lines;
+  for (const ImageMark& mark : marks)
+    lines.push_back({&block.camera_of(mark.image), pose_of(block, mark.image), mark.pixel, mark.sigma_px, {}});
+  const auto found = intersect(lines);
+  if (!found)
+    return fail(Errc::kIllPosed, "the rays of the marks do not meet: they are too parallel, or meet behind a camera");
+  PlottedVertex vertex{.position = in_map(found->point_in_world),
+                       .position_in_world = found->point_in_world,
+                       .source = VertexSource::kStereo,
+                       .errors = VertexErrors{found->covariance}};
+  vertex.residuals_px = found->residuals_px;
+  for (const ImageMark& mark : marks) {
+    const auto linear = linear_pixel(block.camera_of(mark.image), pose_of(block, mark.image), found->point_in_world);
+    if (!linear) return fail(Errc::kIllPosed, "the point lies behind a camera");
+    // G of this mark: (B'WB)^-1 B'W
+    const Eigen::Matrix<double, 3, 2> gain =
+        found->covariance * linear->by_point.transpose() / (mark.sigma_px * mark.sigma_px);
+    add(vertex.errors->by_pose, mark.image, -gain * linear->by_pose);
+  }
+  return vertex;
+}
+
+Result<PlottedVertex> VertexPlotter::mono(const ImageMark& mark) {
+  if (!surface_)
+    return fail(Errc::kIllPosed, "there is no surface that the ray could meet: run surface, or mark a second image");
+  const SurfaceRay ray = ray_of(marking_.block, mark);
+  if (!ray.direction.allFinite()) return fail(Errc::kIllPosed, "the mark has no ray");
+  // The map is linear about a point: where the ray meets the surface, found by turns.
+  Vector3d about = in_map(ray.centre);
+  about.z() = 0.5 * (surface_->span.low + surface_->span.high);
+  SurfaceMeeting met;
+  Matrix3d linear;
+  Vector3d on_map;
+  constexpr int kMostTurns = 5;
+  for (int turn = 0; turn < kMostTurns; ++turn) {
+    const Vector3d origin = in_world(about);
+    if (!origin.allFinite()) return fail(Errc::kIllPosed, "the ray leaves the map");
+    linear = map_by_world(origin);
+    const SurfaceRay in_map_ray{about + linear * (ray.centre - origin), linear * ray.direction};
+    COLLINEA_TRY(met, meeting(in_map_ray, surface_->heights, surface_->span, std::nullopt));
+    if (met.outcome != MonoplotOutcome::kFound) return fail(Errc::kIllPosed, message_of(met.outcome));
+    on_map = in_map_ray.at(met.t);
+    if (!frame_ || (on_map - about).norm() < 1e-6) break;
+    about = on_map;
+  }
+  PlottedVertex vertex{
+      .position = on_map, .position_in_world = ray.at(met.t), .source = VertexSource::kMono, .errors = std::nullopt};
+  COLLINEA_TRY(VertexErrors errors, mono_errors(mark, ray, met, on_map, linear));
+  if (errors.covariance_m2.allFinite()) vertex.errors = std::move(errors);
+  return vertex;
+}
+
+Result<VertexErrors> VertexPlotter::mono_errors(const ImageMark& mark, const SurfaceRay& ray, const SurfaceMeeting& met,
+                                                const Vector3d& on_map, const Matrix3d& map_by_world_axes) {
+  // n is the gradient of height above the surface, by the world; n . dX is what an error of the height adds.
+  const Vector3d normal = map_by_world_axes.transpose() * Vector3d(-met.slope.x(), -met.slope.y(), 1);
+  const Vector3d& d = ray.direction;
+  const double along = normal.dot(d);
+  if (!(std::asin(std::min(1.0, std::abs(along) / (normal.norm() * d.norm()))) > kLeastMeetingAngle_rad))
+    return fail(Errc::kIllPosed, message_of(MonoplotOutcome::kGrazes));
+  COLLINEA_TRY(const HeightSample height, surface_->samples.at(on_map.head<2>()));
+  const double sigma = surface_->has_sigmas ? height.sigma_relative_m : std::nan("");
+  const Matrix3d onto = Matrix3d::Identity() - d * normal.transpose() / along;
+  const Eigen::Matrix<double, 3, 2> pixels = onto * by_pixel(marking_.block, mark, met.t);
+  const Vector3d by_height = d / along;
+  VertexErrors errors{mark.sigma_px * mark.sigma_px * pixels * pixels.transpose() +
+                      sigma * sigma * by_height * by_height.transpose()};
+  Matrix36 by_pose;
+  by_pose << met.t * skew(d), Matrix3d::Identity();
+  add(errors.by_pose, mark.image, onto * by_pose);
+  // The surface moves with the poses, too.
+  for (const auto& [image, moved] : moved_by_poses(ray.at(met.t)))
+    add(errors.by_pose, image, by_height * normal.transpose() * moved);
+  return errors;
+}
+
+Result<PlottedVertex> VertexPlotter::plot_one(const VertexOnSurface& asked) {
+  if (!surface_) return fail(Errc::kIllPosed, "there is no surface: run surface");
+  COLLINEA_TRY(const HeightSample height, surface_->samples.at(asked.on_map));
+  if (!std::isfinite(height.height_m)) return fail(Errc::kIllPosed, "the surface has no height there");
+  PlottedVertex vertex{.position = {asked.on_map.x(), asked.on_map.y(), height.height_m},
+                       .position_in_world = {},
+                       .source = VertexSource::kSurface,
+                       .errors = std::nullopt};
+  vertex.position_in_world = in_world(vertex.position);
+  if (!surface_->has_sigmas || !std::isfinite(height.sigma_relative_m)) return vertex;
+  // An error in plan is one of the height as well, where the surface slopes.
+  const double cell = surface_->heights.grid.cell_m, plan = asked.sigma_m.value_or(cell / 2);
+  Matrix3d on_map = Matrix3d::Zero();
+  on_map(2, 2) = height.sigma_relative_m * height.sigma_relative_m;
+  for (int axis = 0; axis < 2; ++axis) {
+    const Vector2d step = cell * Vector2d::Unit(axis);
+    COLLINEA_TRY(const HeightSample ahead, surface_->samples.at(asked.on_map + step));
+    COLLINEA_TRY(const HeightSample behind, surface_->samples.at(asked.on_map - step));
+    const double rise = (ahead.height_m - behind.height_m) / (2 * cell);
+    Vector3d moved = Vector3d::Unit(axis);
+    moved.z() = std::isfinite(rise) ? rise : 0;
+    on_map += plan * plan * moved * moved.transpose();
+  }
+  const Matrix3d world_by_map = map_by_world(vertex.position_in_world).inverse();
+  vertex.errors =
+      VertexErrors{world_by_map * on_map * world_by_map.transpose(), false, moved_by_poses(vertex.position_in_world)};
+  if (vertex.errors->by_pose.empty()) vertex.errors.reset();
+  return vertex;
+}
+
+Result<PlottedVertex> VertexPlotter::plot_one(const GivenVertex& asked) {
+  PlottedVertex vertex{.position = asked.position,
+                       .position_in_world = in_world(asked.position),
+                       .source = asked.source,
+                       .errors = std::nullopt};
+  if (!asked.sigma_m || !vertex.position_in_world.allFinite()) return vertex;
+  const Matrix3d world_by_map = map_by_world(vertex.position_in_world).inverse();
+  vertex.errors =
+      VertexErrors{world_by_map * asked.sigma_m->cwiseAbs2().asDiagonal() * world_by_map.transpose(), false, {}};
+  if (asked.source == VertexSource::kCloud) vertex.errors->by_pose = moved_by_poses(vertex.position_in_world);
+  return vertex;
+}
+
+// By what it would be if it were plotted now, but where it was drawn, and as good as it was then.
+Result<PlottedVertex> VertexPlotter::plot_one(const RepeatedVertex& asked) {
+  PlottedVertex vertex{.position = asked.vertex.position,
+                       .position_in_world = in_world(asked.vertex.position),
+                       .source = asked.vertex.source,
+                       .errors = std::nullopt};
+  if (vertex.position_in_world.allFinite()) vertex.errors = as_drawn(asked, vertex.position_in_world);
+  return vertex;
+}
+
+std::optional<VertexErrors> VertexPlotter::as_drawn(const RepeatedVertex& asked, const Vector3d& position_in_world) {
+  const DrawnVertex& drawn = asked.vertex;
+  if (!drawn.covariance_m2) return std::nullopt;
+  const Matrix3d world_by_map = map_by_world(position_in_world).inverse();
+  VertexErrors errors{world_by_map * *drawn.covariance_m2 * world_by_map.transpose(), true, {}};
+  const bool is_marked = drawn.source == VertexSource::kStereo || drawn.source == VertexSource::kMono;
+  if (is_marked && asked.marks.size() == drawn.marks.size() && !asked.marks.empty()) {
+    const auto again = plot_one(MarkedVertex{asked.marks});
+    if (again && again->errors) errors.by_pose = again->errors->by_pose;
+  } else if (drawn.source == VertexSource::kSurface || drawn.source == VertexSource::kCloud) {
+    errors.by_pose = moved_by_poses(position_in_world);
+  }
+  return errors;
+}
+
+VertexFigures::VertexFigures(VertexPlotter& plotter, std::vector<PlottedVertex> vertices) {
+  for (const PlottedVertex& vertex : vertices) {
+    points_.positions.push_back(vertex.position_in_world);
+    points_.heights.push_back(vertex.position.z());
+  }
+  auto covariance = plotter.covariance(vertices);
+  has_covariance_ = covariance.has_value();
+  const Index size = 3 * Index(vertices.size());
+  points_.covariance = covariance ? *std::move(covariance) : MatrixXd::Zero(size, size);
+}
+
+Result<FigureOfVertices> VertexFigures::measure(FigureKind kind) const {
+  std::vector<std::size_t> numbers(points_.positions.size());
+  std::iota(numbers.begin(), numbers.end(), std::size_t{0});
+  return measure(kind, numbers);
+}
+
+Result<FigureOfVertices> VertexFigures::measure(FigureKind kind, std::span<const std::size_t> numbers) const {
+  COLLINEA_TRY(const MeasuredFigure figure, measure_figure(kind, numbers, points_));
+  return FigureOfVertices{figure.value, has_covariance_ ? std::optional(figure.sigma) : std::nullopt};
+}
+
+}  // namespace collinea

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/vector/drawing.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace collinea {
+
+std::optional<Eigen::Vector3d> DrawnVertex::sigma_m() const {
+  if (!covariance_m2) return std::nullopt;
+  return Eigen::Vector3d(covariance_m2->diagonal().cwiseMax(0).cwiseSqrt());
+}
+
+std::optional<Colour> colour_in(std::string_view text) {
+  if (text.size() != 7 || text[0] != '#') return std::nullopt;
+  Colour colour{};
+  for (std::size_t i = 0; i < 6; ++i) {
+    const char c = text[i + 1];
+    const int digit = c >= '0' && c <= '9'   ? c - '0'
+                      : c >= 'a' && c <= 'f' ? c - 'a' + 10
+                      : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                                             : -1;
+    if (digit < 0) return std::nullopt;
+    colour[i / 2] = static_cast<std::uint8_t>(16 * colour[i / 2] + digit);
+  }
+  return colour;
+}
+
+std::string text_of(const Colour& colour) {
+  std::string text = "#";
+  for (const std::uint8_t part : colour) {
+    text += "0123456789abcdef"[part / 16];
+    text += "0123456789abcdef"[part % 16];
+  }
+  return text;
+}
+
+const DrawnFeature* Drawing::find(const std::string& id) const {
+  const auto found = std::ranges::find(features, id, &DrawnFeature::id);
+  return found == features.end() ? nullptr : &*found;
+}
+DrawnFeature* Drawing::find(const std::string& id) {
+  const auto found = std::ranges::find(features, id, &DrawnFeature::id);
+  return found == features.end() ? nullptr : &*found;
+}
+
+std::vector<DrawingLayer> layers_of(const Drawing& drawing, std::span<const DrawingCode> codes) {
+  std::vector<DrawingLayer> layers = drawing.layers;
+  const auto is_known = [&](const std::string& name) {
+    return std::ranges::find(layers, name, &DrawingLayer::name) != layers.end();
+  };
+  const std::size_t named = layers.size();
+  for (const DrawingCode& code : codes) {
+    const auto known = std::ranges::find(layers, code.layer, &DrawingLayer::name);
+    if (known == layers.end())
+      layers.push_back({code.layer, code.kind, code.colour});
+    else if (std::size_t(known - layers.begin()) >= named && known->kind != code.kind)
+      known->kind.reset();  // codes of several kinds share it
+  }
+  for (const DrawnFeature& feature : drawing.features)
+    if (!is_known(feature.layer)) layers.push_back({feature.layer});
+  return layers;
+}
+
+}  // namespace collinea
