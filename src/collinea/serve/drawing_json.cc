@@ -15,9 +15,9 @@ using json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostFigures = 20;
 
-std::string text_of(const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); }
+std::string dumped(const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); }
 
-json pair(const Eigen::Vector2d& v) { return {number(v.x()), number(v.y())}; }
+json pixel_json(const Eigen::Vector2d& v) { return {number(v.x()), number(v.y())}; }
 
 using ImageNumbers = std::map<std::string, ImageId>;
 ImageNumbers numbers_of(const Block& block) {
@@ -37,7 +37,7 @@ json vertex_json(const DrawnVertex& vertex, const ImageNumbers& images) {
     const auto image = images.find(mark.image);
     marks.push_back({{"image", image == images.end() ? json(nullptr) : json(image->second.value)},
                      {"file", mark.image},
-                     {"pixel", pair(mark.pixel)},
+                     {"pixel", pixel_json(mark.pixel)},
                      {"sigma_px", number(mark.sigma_px)}});
   }
   return {{"position", vector(vertex.position)},
@@ -59,7 +59,7 @@ class Projection {
     if (!pose_) return;
     const Camera& camera = view_.block.camera_of(*image_);
     const auto seen = linear_pixel(camera, *pose_, view_.frame ? view_.frame->local_from_map(on_map) : on_map);
-    if (seen && inside(camera, seen->pixel)) vertex["pixel"] = pair(seen->pixel);
+    if (seen && inside(camera, seen->pixel)) vertex["pixel"] = pixel_json(seen->pixel);
   }
 
  private:
@@ -106,6 +106,15 @@ json figure_json(FigureKind kind, const FigureOfVertices& figure) {
           {"unit", unit_of(kind)}};
 }
 
+Result<std::optional<ImageId>> asked_image(const json& asked, const Block& block) {
+  const json image = asked.value("image", json());
+  if (image.is_null()) return std::optional<ImageId>();
+  const bool is_number = image.is_number_unsigned() && image.get<std::uint64_t>() < ImageId::kNone;
+  if (!is_number || !block.images.contains(ImageId{image.get<std::uint32_t>()}))
+    return fail(Errc::kNotFound, "there is no such image");
+  return std::optional(ImageId{image.get<std::uint32_t>()});
+}
+
 Result<SurfaceFiles> surface_of(const ProjectView& view) {
   const std::filesystem::path dsm = view.project.folder / "products" / "dsm.tif";
   if (!is_there(dsm)) return fail(Errc::kIllPosed, "there is no surface yet: bring the project to the step surface");
@@ -144,15 +153,17 @@ Result<std::string> drawing_json(const ProjectView& view, std::optional<ImageId>
                                {"attributes", json(feature.attributes)},
                                {"vertices", std::move(vertices)}});
   }
-  return text_of(all);
+  return dumped(all);
 }
 
 Result<std::string> vertices_json(const ProjectView& view, std::string_view body) {
   COLLINEA_TRY(const json asked, asked_object(body));
   COLLINEA_TRY(const auto vertices, asked_vertices(asked, view.work.drawing, view.block));
+  COLLINEA_TRY(const std::optional<ImageId> image, asked_image(asked, view.block));
   COLLINEA_TRY(const auto plotting, plotting_of(view));
   VertexPlotter& plotter = *plotting->plotter;
   const ImageNumbers images = numbers_of(view.block);
+  const Projection projection(view, image);
   json list = json::array();
   for (const AskedVertex& vertex : vertices) {
     const auto plotted = plotter.plot(vertex);
@@ -162,10 +173,11 @@ Result<std::string> vertices_json(const ProjectView& view, std::string_view body
     }
     json one = vertex_json(drawn_vertex(plotter, vertex, *plotted, plotting->ties->block), images);
     for (std::size_t i = 0; i < plotted->residuals_px.size(); ++i)
-      one["marks"].at(i)["residual_px"] = pair(plotted->residuals_px[i]);
+      one["marks"].at(i)["residual_px"] = pixel_json(plotted->residuals_px[i]);
+    projection.add_to(one, plotted->position);
     list.push_back(std::move(one));
   }
-  return text_of({{"vertices", std::move(list)}});
+  return dumped({{"vertices", std::move(list)}});
 }
 
 Result<std::string> figures_json(const ProjectView& view, std::string_view body) {
@@ -192,7 +204,7 @@ Result<std::string> figures_json(const ProjectView& view, std::string_view body)
     list.push_back(figure ? figure_json(kind, *figure)
                           : json{{"kind", word_of(kind)}, {"error", figure.error().message}});
   }
-  return text_of(is_list ? json{{"figures", std::move(list)}} : list.at(0));
+  return dumped(is_list ? json{{"figures", std::move(list)}} : list.at(0));
 }
 
 Result<std::string> volume_over_json(const ProjectView& view, std::string_view body) {
@@ -203,12 +215,12 @@ Result<std::string> volume_over_json(const ProjectView& view, std::string_view b
   COLLINEA_TRY(const SurfaceFiles surface, surface_of(view));
   COLLINEA_TRY(const Volume volume, base.is_number() ? volume_over_level(surface, base.get<double>(), ring, {}, {})
                                                      : volume_over_rim(surface, ring, {}, {}));
-  return text_of({{"above_m3", number(volume.above_m3)},
-                  {"below_m3", number(volume.below_m3)},
-                  {"net_m3", number(volume.net_m3())},
-                  {"sigma_m3", number(volume.sigma_m3())},
-                  {"area_m2", number(volume.area_m2)},
-                  {"missing_m2", number(volume.missing_m2)}});
+  return dumped({{"above_m3", number(volume.above_m3)},
+                 {"below_m3", number(volume.below_m3)},
+                 {"net_m3", number(volume.net_m3())},
+                 {"sigma_m3", number(volume.sigma_m3())},
+                 {"area_m2", number(volume.area_m2)},
+                 {"missing_m2", number(volume.missing_m2)}});
 }
 
 Result<std::string> profile_json(const ProjectView& view, std::string_view body) {
@@ -230,12 +242,12 @@ Result<std::string> profile_json(const ProjectView& view, std::string_view body)
                                      " heights: give a longer step_m or a shorter line");
   COLLINEA_TRY(const Profile profile, profile_along(line, step_m, surfaces));
   json positions = json::array(), heights = json::array(), sigmas = json::array();
-  for (const Eigen::Vector2d& position : profile.positions) positions.push_back(pair(position));
+  for (const Eigen::Vector2d& position : profile.positions) positions.push_back(pixel_json(position));
   for (const HeightSample& sample : profile.of[0]) {
     heights.push_back(number(sample.height_m));
     sigmas.push_back(number(sample.sigma_m));
   }
-  return text_of(
+  return dumped(
       {{"distance_m", profile.distance_m}, {"positions", positions}, {"height_m", heights}, {"sigma_m", sigmas}});
 }
 

@@ -14,7 +14,8 @@ namespace collinea {
 [[nodiscard]] Result<std::string> drawing_json(const ProjectView& view, std::optional<ImageId> image);
 
 /// {"vertices": [{"position", ..} | {"error"}]} of {"vertices": [..]} (asked_vertices()), as `collinea plot` plots
-/// them. Errors: what is asked; no block, or not oriented.
+/// them; with {"image": 3} each has the "pixel" at which that shows it, or null. Errors: what is asked; no block, or
+/// not oriented.
 [[nodiscard]] Result<std::string> vertices_json(const ProjectView& view, std::string_view body);
 
 /// {"kind", "value", "sigma", "unit"} of {"kind", "vertices"}, or {"figures": [..]} of {"figures": [kinds],

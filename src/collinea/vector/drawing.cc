@@ -11,9 +11,9 @@ std::optional<Eigen::Vector3d> DrawnVertex::sigma_m() const {
   return Eigen::Vector3d(covariance_m2->diagonal().cwiseMax(0).cwiseSqrt());
 }
 
-std::optional<Colour> colour_in(std::string_view text) {
+std::optional<LayerColour> colour_in(std::string_view text) {
   if (text.size() != 7 || text[0] != '#') return std::nullopt;
-  Colour colour{};
+  LayerColour colour{};
   for (std::size_t i = 0; i < 6; ++i) {
     const char c = text[i + 1];
     const int digit = c >= '0' && c <= '9'   ? c - '0'
@@ -26,7 +26,7 @@ std::optional<Colour> colour_in(std::string_view text) {
   return colour;
 }
 
-std::string text_of(const Colour& colour) {
+std::string text_of(const LayerColour& colour) {
   std::string text = "#";
   for (const std::uint8_t part : colour) {
     text += "0123456789abcdef"[part / 16];

@@ -55,23 +55,23 @@ struct DrawnFeature {
   std::vector<DrawnVertex> vertices = {};  ///< a polygon is closed by itself
 };
 
-using Colour = std::array<std::uint8_t, 3>;  ///< red, green, blue
-inline constexpr Colour kPlainColour = {192, 0, 0};
+using LayerColour = std::array<std::uint8_t, 3>;  ///< red, green, blue
+inline constexpr LayerColour kPlainColour = {192, 0, 0};
 /// "#c00000"; nothing: it is written otherwise.
-[[nodiscard]] std::optional<Colour> colour_in(std::string_view text);
-[[nodiscard]] std::string text_of(const Colour& colour);
+[[nodiscard]] std::optional<LayerColour> colour_in(std::string_view text);
+[[nodiscard]] std::string text_of(const LayerColour& colour);
 
 struct DrawingLayer {
   std::string name;
   std::optional<VectorKind> kind = {};  ///< of what is drawn on it; nothing: anything
-  Colour colour = kPlainColour;
+  LayerColour colour = kPlainColour;
 };
 
 /// A line of a code list: what is drawn on which layer, and what that means.
 struct DrawingCode {
   std::string code, layer;
   VectorKind kind = VectorKind::kLine;
-  Colour colour = kPlainColour;
+  LayerColour colour = kPlainColour;
   std::string meaning;
 };
 

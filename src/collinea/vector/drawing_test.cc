@@ -28,7 +28,7 @@ TEST(Drawing, LayersAreThoseNamedThenThoseOfCodesThenThoseOfFeatures) {
   const auto layers = layers_of(drawing, codes);
   ASSERT_EQ(layers.size(), 3u);
   EXPECT_EQ(layers[0].name, "roof");
-  EXPECT_EQ(layers[0].colour, (Colour{1, 2, 3}));
+  EXPECT_EQ(layers[0].colour, (LayerColour{1, 2, 3}));
   EXPECT_EQ(layers[0].kind, VectorKind::kPolygon);
   EXPECT_EQ(layers[1].name, "trees");
   EXPECT_FALSE(layers[1].kind);  // two kinds share it

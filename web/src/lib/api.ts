@@ -64,8 +64,9 @@ export const edits = (id: string, since = 0): Promise<Edits> => ask(`${base(id)}
 /** A command of control and marks, as docs/manual/serve.md lists them. */
 export const edit = (id: string, command: string[]): Promise<{ number: number }> => ask(`${base(id)}/edits`, { command });
 
-export const vertices = (id: string, asked: AskedVertex[]): Promise<{ vertices: (Vertex | { error: string })[] }> =>
-  ask(`${base(id)}/vertices`, { vertices: asked });
+/** With the pixels at which a photograph shows them where one is named. */
+export const vertices = (id: string, asked: AskedVertex[], image?: number): Promise<{ vertices: (Vertex | { error: string })[] }> =>
+  ask(`${base(id)}/vertices`, { vertices: asked, ...(image === undefined ? {} : { image }) });
 /** Several figures of the same vertices: those that they have, and why not the others. */
 export const figures = (id: string, kinds: FigureKind[], asked: AskedVertex[]): Promise<{ figures: (MeasuredFigure | { kind: FigureKind; error: string })[] }> =>
   ask(`${base(id)}/figures`, { figures: kinds, vertices: asked });

@@ -2,7 +2,8 @@
 // The figure that is being drawn or measured, shared by Map, Photographs, Stereo and Cloud: a click anywhere adds a vertex.
 import * as api from "./api";
 import { drawCommand } from "./drawing_commands";
-import type { AskedVertex, FeatureKind, Vertex } from "./drawing_types";
+import type { AskedMark, AskedVertex, FeatureKind, Vertex } from "./drawing_types";
+import type { Vector3 } from "./types";
 
 /** A vertex as the server answered it, with what was asked. */
 export type DraftVertex = Vertex & { asked: AskedVertex };
@@ -12,18 +13,23 @@ export type Tool = "none" | "draw" | "measure";
 const least: Record<FeatureKind, number> = { point: 1, line: 2, polygon: 3 };
 
 /** The fourth corner of a rectangle about three, in space. */
-const fourth = (a: Vertex, b: Vertex, c: Vertex): [number, number, number] => [
+const fourth = (a: Vertex, b: Vertex, c: Vertex): Vector3 => [
   a.position[0] + c.position[0] - b.position[0], a.position[1] + c.position[1] - b.position[1], a.position[2] + c.position[2] - b.position[2],
 ];
 
 /** The foot of p on the line through b that is square to the side a-b in plan. */
-export function squared(a: [number, number, number], b: [number, number, number], p: [number, number, number]): [number, number] {
+export function squared(a: Vector3, b: Vector3, p: Vector3): [number, number] {
   const [x, y] = [b[0] - a[0], b[1] - a[1]];
   const size = Math.hypot(x, y);
   if (size === 0) return [p[0], p[1]];
   const along = ((p[0] - b[0]) * -y + (p[1] - b[1]) * x) / size;
   return [b[0] + (along * -y) / size, b[1] + (along * x) / size];
 }
+
+/** A vertex that was put elsewhere by construction: as good as it was, and no longer where its marks are. */
+const moved = (vertex: DraftVertex, position: Vector3): DraftVertex => ({
+  ...vertex, position, source: "typed", marks: [], asked: { at: position, sigma_m: vertex.sigma_m, source: "typed" },
+});
 
 class Drafting {
   project = $state("");
@@ -69,11 +75,22 @@ class Drafting {
       const vertex = await this.#answered(asked);
       if (!vertex) return false;
       const [a, b] = this.vertices.slice(-2);
-      const squares = this.square && this.tool === "draw" && a && b && !("feature" in asked);
-      const made = squares ? { ...vertex, position: [...squared(a.position, b.position, vertex.position), vertex.position[2]] as [number, number, number] } : vertex;
-      this.vertices = [...this.vertices, made];
+      const squares = this.square && a && b && !("feature" in asked);
+      this.vertices = [...this.vertices, squares ? moved(vertex, [...squared(a.position, b.position, vertex.position), vertex.position[2]]) : vertex];
       if (this.tool === "draw" && this.kind === "point") await this.#save();
       return true;
+    });
+  }
+
+  /** Marks the last vertex in one more photograph: two and more are intersected. Without one, or where that was no mark, a vertex of its own. */
+  mark(one: AskedMark, again: boolean): Promise<boolean> {
+    const last = this.vertices.at(-1);
+    if (!again || !last || !("marks" in last.asked)) return this.add({ marks: [one] });
+    const marks = [...last.asked.marks.filter((mark) => mark.image !== one.image), one];
+    return this.#inTurn(async () => {
+      const vertex = await this.#answered({ marks });
+      if (vertex) this.vertices = [...this.vertices.slice(0, -1), vertex];
+      return vertex !== undefined;
     });
   }
 
@@ -92,7 +109,7 @@ class Drafting {
     return this.#inTurn(async () => {
       const [a, b, c] = this.vertices;
       if (this.square && this.vertices.length === 3 && a && b && c)
-        this.vertices = [...this.vertices, { ...c, position: fourth(a, b, c), asked: { at: fourth(a, b, c), sigma_m: c.sigma_m, source: "typed" } }];
+        this.vertices = [...this.vertices, moved(c, fourth(a, b, c))];
       if (this.kind === "line" && a) this.vertices = [...this.vertices, a];
       return await this.#save();
     });

@@ -22,6 +22,31 @@ export interface ShownRing {
   open: boolean;
 }
 
+/** A feature, or a figure that is being drawn (`open`): vertices that the photograph does not show are left out. */
+export interface ShownFigure {
+  kind: "point" | "line" | "polygon";
+  points: (Vector2 | null)[];
+  colour: string;
+  chosen: boolean;
+  open: boolean;
+}
+
+export function paintFigure(context: CanvasRenderingContext2D, toScreen: ToScreen, figure: ShownFigure): void {
+  const points = figure.points.map((point) => point && toScreen(point));
+  const isRing = figure.kind === "polygon" && points.length > 2;
+  const colour = figure.chosen ? colours.chosen : figure.colour;
+  lines(context, () => {
+    points.forEach((point, index) => {
+      const before = points[index - 1] ?? (isRing && index === 0 ? points[points.length - 1] : undefined);
+      if (!point || !before || figure.kind === "point") return;
+      context.moveTo(...before);
+      context.lineTo(...point);
+    });
+  }, colour, figure.chosen ? 2.5 : 2, figure.open ? [6, 4] : []);
+  if (!figure.chosen && !figure.open && figure.kind !== "point") return;
+  for (const point of points) if (point) lines(context, () => context.rect(point[0] - 3, point[1] - 3, 6, 6), colour, 2);
+}
+
 export interface ShownPlace {
   name: string;
   pixel: Vector2;

@@ -18,7 +18,7 @@ import { apply } from "ol/transform";
 
 import { isInside, pixelOf, resolutionsOf, viewOf } from "../../lib/pixels";
 import type { ImageInfo, Residual, Vector2 } from "../../lib/types";
-import { paintMark, paintPlace, paintResiduals, paintRing, type ShownMark, type ShownPlace, type ShownRing, type ToScreen } from "./paint";
+import { paintFigure, paintMark, paintPlace, paintResiduals, paintRing, type ShownFigure, type ShownMark, type ShownPlace, type ShownRing, type ToScreen } from "./paint";
 import type { Tiles } from "./tiles";
 
 const mostEnlarged = 64; // pixels of the screen per native one
@@ -30,13 +30,14 @@ export interface Drawn {
   place: ShownPlace | undefined;
   residuals: Residual[];
   rings?: ShownRing[];
+  figures?: ShownFigure[];
   /** Of residuals. */
   factor: number;
 }
 
 export interface Handlers {
   /** Where was clicked, inside the photograph. */
-  click?: (pixel: Vector2) => void;
+  click?: (pixel: Vector2, event: MouseEvent) => void;
   /** Where the chosen mark was dragged to. */
   moved?: (pixel: Vector2) => void;
 }
@@ -226,8 +227,9 @@ export class PhotoMap {
   }
 
   #paint(context: CanvasRenderingContext2D, toScreen: ToScreen, scale: number): void {
-    const { marks, place, residuals, factor, rings } = this.#drawn;
+    const { marks, place, residuals, factor, rings, figures } = this.#drawn;
     for (const ring of rings ?? []) paintRing(context, toScreen, ring);
+    for (const figure of figures ?? []) paintFigure(context, toScreen, figure);
     if (residuals.length) paintResiduals(context, toScreen, residuals, factor);
     if (place) paintPlace(context, toScreen, place, scale);
     for (const mark of [...marks].sort((a, b) => Number(a.chosen) - Number(b.chosen))) {
@@ -238,7 +240,7 @@ export class PhotoMap {
 
   #clicked(event: MapBrowserEvent): void {
     const pixel = this.#inside(pixelOf(event.coordinate));
-    if (pixel) this.#handlers.click?.(pixel);
+    if (pixel) this.#handlers.click?.(pixel, event.originalEvent as MouseEvent);
   }
 
   #isAtChosen(event: MapBrowserEvent): boolean {

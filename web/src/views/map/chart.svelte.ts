@@ -13,12 +13,14 @@ import { register } from "ol/proj/proj4";
 import proj4 from "proj4";
 
 import * as api from "../../lib/api";
+import { drafting } from "../../lib/drafting.svelte";
 import { Outline } from "../../lib/outline.svelte";
 import { station } from "../../lib/station.svelte";
 import type { ControlPoint, ImageInfo, MapInfo, Patch, Project, Vector2 } from "../../lib/types";
 import { roundFactor } from "./geometry";
 import { paintedClasses, paintedValues } from "./paint";
 import { Raster } from "./raster";
+import { Sketch } from "./sketch";
 import { rasterLayer } from "./sources";
 import { TieLayer } from "./ties";
 import { centres, controlPoints, differences, footprints, marker, patchLayers, placeOf } from "./vectors";
@@ -94,6 +96,7 @@ export class Chart {
   readonly #rasters = new Map<string, Promise<Raster>>();
   readonly #marker = marker();
   readonly #drawn = patchLayers();
+  readonly sketch = new Sketch();
   #map: OlMap | undefined;
   #projection: Projection = new Projection({ code: "collinea-local", units: "m" });
   /** Browsers keep ranges of a file; when it has changed they get all of it instead of the range that they ask for. */
@@ -169,6 +172,7 @@ export class Chart {
 
   setPatching(patching: boolean): void {
     this.patching = patching;
+    if (patching) drafting.tool = "none";
     this.clearOutline();
   }
   clearOutline(): void {
@@ -184,6 +188,12 @@ export class Chart {
   async fit(): Promise<void> {
     const extent = await this.#extent();
     if (!isEmpty(extent)) this.#map?.getView().fit(extent, { padding: [30, 30, 50, 30], minResolution: 0.002 });
+  }
+
+  /** A vertex under the pointer, or in the middle of the map. */
+  vertexHere(): void {
+    const place = this.cursor?.place ?? (this.#map?.getView().getCenter() as Vector2 | undefined);
+    if (place) this.sketch.click(place, []);
   }
 
   /** Looks at the middle of the map, as a click there does. */
@@ -221,6 +231,7 @@ export class Chart {
     });
     this.#map.addLayer(this.#marker.layer);
     this.#map.addLayer(this.#drawn.outlineLayer);
+    this.sketch.attach(this.#map);
     this.#map.on("moveend", () => (this.resolution = this.#map?.getView().getResolution() ?? 1));
     this.#map.on("pointermove", (event) => {
       if (!event.dragging) void this.#under(event.coordinate as Vector2).then((under) => under && (this.cursor = under));
@@ -374,6 +385,7 @@ export class Chart {
       this.#drawn.outline(this.outline.points);
       return;
     }
+    if (this.sketch.click(place, pixel ?? this.#map?.getPixelFromCoordinate(place) ?? [])) return;
     const at = pixel ?? this.#map?.getPixelFromCoordinate(place) ?? [];
     const near = this.#map?.getFeaturesAtPixel(at, { hitTolerance: 6 }).find((feature) => feature.get("control") !== undefined);
     this.clickedControl = this.control.find((point) => point.name === near?.get("control"));

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is drawn, on the map: features on their layers, the figure in work, vertices that are moved by dragging.
+import type OlMap from "ol/Map";
+import Feature from "ol/Feature";
+import LineString from "ol/geom/LineString";
+import Point from "ol/geom/Point";
+import Polygon from "ol/geom/Polygon";
+import PointerInteraction from "ol/interaction/Pointer";
+import VectorLayer from "ol/layer/Vector";
+import VectorSource from "ol/source/Vector";
+import { Circle, Fill, Stroke, Style } from "ol/style";
+
+import { drafting } from "../../lib/drafting.svelte";
+import { drawing } from "../../lib/drawing.svelte";
+import type { FeatureKind, Vertex } from "../../lib/drawing_types";
+import { nearestVertex } from "../../lib/snapping";
+import type { Vector2 } from "../../lib/types";
+
+const reach = 10; // in which a click means a vertex [px of the screen]
+const plan = (vertex: Vertex): Vector2 => [vertex.position[0], vertex.position[1]];
+
+function shape(kind: FeatureKind, places: Vector2[]): Point | LineString | Polygon {
+  if (kind === "point" || places.length === 1) return new Point(places[0] ?? [0, 0]);
+  if (kind === "line" || places.length === 2) return new LineString(places);
+  return new Polygon([[...places, places[0] ?? [0, 0]]]);
+}
+
+function styles(colour: string, width: number, dash?: number[]): Style[] {
+  return [
+    new Style({ stroke: new Stroke({ color: "#ffffff", width: width + 2 }) }),
+    new Style({
+      stroke: new Stroke({ color: colour, width, ...(dash ? { lineDash: dash } : {}) }),
+      fill: new Fill({ color: `${colour}22` }),
+      image: new Circle({ radius: 5, fill: new Fill({ color: colour }), stroke: new Stroke({ color: "#ffffff", width: 2 }) }),
+    }),
+  ];
+}
+const corner = new Style({ image: new Circle({ radius: 5, fill: new Fill({ color: "#ffd400" }), stroke: new Stroke({ color: "#222222", width: 2 }) }) });
+
+export class Sketch {
+  readonly layer: VectorLayer;
+  readonly #source = new VectorSource();
+  #map: OlMap | undefined;
+  #dragged: { vertex: number; place: Vector2 } | undefined;
+
+  constructor() {
+    this.layer = new VectorLayer({ source: this.#source, zIndex: 8 });
+  }
+
+  attach(map: OlMap): void {
+    this.#map = map;
+    map.addLayer(this.layer);
+    map.addInteraction(this.#dragging());
+  }
+
+  /** As drawing and drafting are now. */
+  paint(): void {
+    this.#source.clear();
+    for (const feature of drawing.features) {
+      const isChosen = feature.id === drawing.chosen;
+      const places = feature.vertices.map(plan);
+      if (isChosen && this.#dragged) places[this.#dragged.vertex] = this.#dragged.place;
+      const made = new Feature({ geometry: shape(feature.kind, places), drawn: feature.id });
+      made.setStyle(styles(isChosen ? "#ffd400" : drawing.colourOf(feature.layer), isChosen ? 3 : 2));
+      this.#source.addFeature(made);
+      if (isChosen) this.#corners(places);
+    }
+    const draft = drafting.vertices.map(plan);
+    if (!draft.length) return;
+    const kind = drafting.tool === "measure" && draft.length > 2 ? "polygon" : drafting.kind === "polygon" ? "polygon" : "line";
+    const made = new Feature({ geometry: shape(kind, draft) });
+    made.setStyle(styles("#ff6d00", 2.5, [6, 4]));
+    this.#source.addFeature(made);
+    this.#corners(draft);
+  }
+
+  /** A click, where clicks are vertices, or on a feature; false: it is about something else. */
+  click(place: Vector2, pixel: number[]): boolean {
+    if (drafting.takes) {
+      const near = drafting.snap ? this.near(place) : undefined;
+      void drafting.add(near ?? { surface: place });
+      return true;
+    }
+    const hit = this.#map?.getFeaturesAtPixel(pixel, { hitTolerance: 6, layerFilter: (layer) => layer === this.layer }).find((one) => one.get("drawn"));
+    drawing.chosen = hit ? String(hit.get("drawn")) : undefined;
+    return hit !== undefined;
+  }
+
+  near(place: Vector2): { feature: string; vertex: number } | undefined {
+    return nearestVertex(drawing.features, plan, place, reach * (this.#map?.getView().getResolution() ?? 1));
+  }
+
+  #corners(places: Vector2[]): void {
+    for (const place of places) {
+      const made = new Feature(new Point(place));
+      made.setStyle(corner);
+      this.#source.addFeature(made);
+    }
+  }
+
+  #dragging(): PointerInteraction {
+    return new PointerInteraction({
+      handleDownEvent: (event) => {
+        const feature = drawing.chosenFeature;
+        if (!feature || drafting.takes) return false;
+        const hit = nearestVertex([feature], plan, event.coordinate as Vector2, reach * (event.map.getView().getResolution() ?? 1));
+        if (hit) this.#dragged = { vertex: hit.vertex, place: event.coordinate as Vector2 };
+        return hit !== undefined;
+      },
+      handleDragEvent: (event) => {
+        if (this.#dragged) this.#dragged = { ...this.#dragged, place: event.coordinate as Vector2 };
+        this.paint();
+      },
+      handleUpEvent: () => {
+        void this.#move();
+        return false;
+      },
+      stopDown: (handled) => handled,
+    });
+  }
+
+  async #move(): Promise<void> {
+    const [feature, dragged] = [drawing.chosenFeature, this.#dragged];
+    if (!feature || !dragged) return;
+    const from = feature.vertices[dragged.vertex];
+    const still = from && Math.hypot(from.position[0] - dragged.place[0], from.position[1] - dragged.place[1]) < 2 * (this.#map?.getView().getResolution() ?? 1);
+    const vertex = still ? undefined : await drafting.answered({ surface: dragged.place });
+    if (vertex) await drafting.redraw(feature.id, feature.layer, feature.kind, feature.vertices.map((one, index) => (index === dragged.vertex ? vertex : one)));
+    await drawing.load(drafting.project);
+    this.#dragged = undefined;
+    this.paint();
+  }
+}
