@@ -24,7 +24,8 @@ parser.add_argument("--collinea", default=os.path.join(root, "build", "release",
 args = parser.parse_args()
 project = os.path.join(args.folder, "project")
 products = os.path.join(project, "products")
-SIDE, EAST, NORTH = 2250.0, 500_000.0, 5_400_000.0  # m
+SIDE = 2250.0  # m
+EAST, NORTH = 546_812.0 - SIDE / 2, 5_338_721.0 - SIDE / 2  # about the simulated block (EPSG:32633)
 
 
 def collinea(*words):
@@ -92,7 +93,7 @@ def write_ortho(path):
     made = gdal.GetDriverByName("GTiff").Create(plain, size, size, 3, gdal.GDT_Byte, ["TILED=YES", "COMPRESS=JPEG", "PHOTOMETRIC=YCBCR", "BLOCKXSIZE=512", "BLOCKYSIZE=512"])
     made.SetGeoTransform([EAST, cell, 0, NORTH + SIDE, 0, -cell])
     crs = osr.SpatialReference()
-    crs.ImportFromEPSG(32632)
+    crs.ImportFromEPSG(32633)
     made.SetProjection(crs.ExportToWkt())
     random = np.random.default_rng(2)
     step = 512

@@ -5,13 +5,6 @@ import { BufferAttribute, BufferGeometry, CanvasTexture, Group, Line, LineBasicM
 import type { ControlPoint } from "../../lib/types";
 import { sum, type Triple } from "./viewpoint";
 
-/** A line of places in the map. */
-export interface DrawnLine {
-  places: Triple[];
-  isClosed: boolean;
-  colour: string;
-}
-
 const markPixels = 20; // of the texture of a mark: a ring with a dot
 
 function markTexture(colour: string, name: string): { texture: CanvasTexture; width: number; height: number } {
@@ -60,7 +53,7 @@ export class Overlay {
 
   mark(place: Triple, colour: string, name = ""): void {
     const { texture, width, height } = markTexture(colour, name);
-    const sprite = new Sprite(new SpriteMaterial({ map: texture, sizeAttenuation: false, depthTest: false, transparent: true }));
+    const sprite = new Sprite(new SpriteMaterial({ map: texture, sizeAttenuation: false, depthTest: false, depthWrite: false, transparent: true }));
     sprite.position.set(...place);
     sprite.userData["size"] = [width, height];
     sprite.renderOrder = this.order;
@@ -71,7 +64,7 @@ export class Overlay {
   line(places: Triple[], isClosed: boolean, colour: string): void {
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(new Float32Array(places.flat()), 3));
-    const material = new LineBasicMaterial({ color: colour, depthTest: false });
+    const material = new LineBasicMaterial({ color: colour, depthTest: false, depthWrite: false });
     const line = isClosed ? new LineLoop(geometry, material) : new Line(geometry, material);
     line.renderOrder = this.order;
     line.frustumCulled = false;
@@ -99,14 +92,5 @@ export function showControl(overlay: Overlay, points: ControlPoint[], origin: Tr
     const known = point.position.every((one) => typeof one === "number") ? (point.position as Triple) : undefined;
     const place = point.adjusted ?? known;
     if (place) overlay.mark(sum(place, origin, -1), point.role === "control" ? "#c2185b" : "#e07b00", point.name);
-  }
-}
-
-export function showLines(overlay: Overlay, lines: DrawnLine[], origin: Triple, marks = false): void {
-  overlay.clear();
-  for (const { places, isClosed, colour } of lines) {
-    const local = places.map((place) => sum(place, origin, -1));
-    if (local.length > 1) overlay.line(local, isClosed, colour);
-    if (marks || local.length === 1) for (const place of local) overlay.mark(place, colour);
   }
 }

@@ -57,8 +57,8 @@ export class CloudPoints {
     this.#say({ regions });
   }
 
-  /** Chooses what a view shows; `pixels(node)`: size of its side on the screen. */
-  update(camera: Camera, pixels: (node: CloudNode) => number): void {
+  /** Chooses what a view shows; `pixels(node)`: size of its side on the screen; drawn now are about `most` points of it. */
+  update(camera: Camera, pixels: (node: CloudNode) => number, most = Infinity): void {
     const frustum = new Frustum().setFromProjectionMatrix(new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse));
     const sphere = new Sphere();
     const seen = (node: CloudNode): number => {
@@ -71,12 +71,14 @@ export class CloudPoints {
     for (const index of cancelled) this.#asked.delete(index);
     if (cancelled.length) this.#say({ cancel: cancelled });
     this.drawn = 0;
-    for (const [index, points] of this.#shown) points.visible = wanted.has(index);
+    for (const points of this.#shown.values()) points.visible = false;
     for (const index of this.#wanted) {
       const node = this.#nodes[index] as CloudNode;
-      if (this.#shown.has(index)) {
+      const points = this.#shown.get(index);
+      if (points) {
         this.#used.use(index, node.points);
-        this.drawn += node.points;
+        points.visible = this.drawn < most;
+        if (points.visible) this.drawn += node.points;
       } else if (!this.#asked.has(index) && !this.#broken.has(index)) {
         this.#asked.add(index);
         this.#say({ load: index });

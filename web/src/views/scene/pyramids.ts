@@ -52,8 +52,8 @@ export class Pyramids {
   readonly #pictures = new Map<number, Mesh<BufferGeometry, MeshBasicMaterial>>();
   #cover: Mesh<BufferGeometry, MeshBasicMaterial> | undefined;
   #opacity = 0.5;
-  readonly #lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: 0x3f9bd0 }));
-  readonly #chosen = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: 0xffd400, depthTest: false }));
+  readonly #lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: 0x2f86bd, depthWrite: false }));
+  readonly #chosen = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: 0xffd400, depthTest: false, depthWrite: false }));
 
   constructor(project: string, changed: () => void) {
     [this.#project, this.#changed] = [project, changed];
@@ -93,7 +93,7 @@ export class Pyramids {
     this.#cover = undefined;
     if (!one) return;
     const mesh = picture(one);
-    [mesh.material.depthTest, mesh.renderOrder, mesh.visible] = [false, 2, false];
+    [mesh.material.depthTest, mesh.material.depthWrite, mesh.renderOrder, mesh.visible] = [false, false, 2, false];
     this.#cover = mesh;
     this.group.add(mesh);
     void stitched(this.#project, one.image).then((canvas) => {

@@ -83,7 +83,7 @@ void main() {
     float there = depth(at + by);
     if (there > 0.0) darker += here > 0.0 ? max(0.0, log2(here) - log2(there)) : 0.02;
   }
-  drawn = vec4(here > 0.0 ? colour.rgb * exp(-18.0 * darker) : colour.rgb, colour.a);
+  drawn = vec4(here > 0.0 ? colour.rgb * exp(-6.0 * min(darker, 0.25)) : colour.rgb, colour.a);
 }`;
 
 export function shadingMaterial(colours: Texture, depths: Texture): RawShaderMaterial {

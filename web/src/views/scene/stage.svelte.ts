@@ -16,6 +16,9 @@ import { fieldOfView, sum, type Triple, Viewpoint } from "./viewpoint";
 
 ColorManagement.enabled = false;
 
+/** A view that moved so short ago moves still, and a frame of it should take so long at most. */
+const movingMs = 250;
+const movingFrameMs = 80;
 const pickPixels = 6; // how far from the pointer a point may lie
 
 export class Stage {
@@ -33,6 +36,8 @@ export class Stage {
   /** Whose view is looked through. */
   through = $state.raw<Pyramid | undefined>();
   isParallel = $state(false);
+  /** Where the pointer is on the canvas; nothing: elsewhere. */
+  pointer: [number, number] | undefined;
   readonly view = new Viewpoint();
   readonly points: CloudPoints;
   readonly pyramids: Pyramids;
@@ -51,6 +56,12 @@ export class Stage {
   readonly #screenScene = new Scene();
   readonly #sizes: ResizeObserver;
   #frame = 0;
+  /** Of the frame that the GPU is drawing, and when it began. */
+  #fence: WebGLSync | undefined;
+  #begun = 0;
+  /** Of a point on this GPU, about [ms]. */
+  #cost = 0;
+  #movedAt = -Infinity;
   #pixels = 1;
   #size: [number, number] = [1, 1];
   #radius = 100;
@@ -62,7 +73,8 @@ export class Stage {
     readonly canvas: HTMLCanvasElement,
     project: string,
   ) {
-    this.#renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
+    this.#renderer = new WebGLRenderer({ canvas, powerPreference: "high-performance" });
+    this.#renderer.debug.checkShaderErrors = false; // asking for them waits for the GPU
     this.#renderer.outputColorSpace = LinearSRGBColorSpace;
     this.#renderer.autoClear = true;
     const changed = (): void => this.redraw();
@@ -145,7 +157,7 @@ export class Stage {
     if (!ends.length) return;
     const [low, high] = [Math.min, Math.max].map((end) => [0, 1, 2].map((axis) => end(...ends.map((one) => one[axis] as number)))) as [Triple, Triple];
     this.#radius = Math.max(Math.hypot(...sum(high, low, -1)) / 2, 1);
-    this.view.fit(sum(low, sum(high, low, -1), 0.5), 0.75 * this.#radius);
+    this.view.fit(sum(low, sum(high, low, -1), 0.5), 0.62 * this.#radius);
     this.redraw();
   }
 
@@ -164,12 +176,34 @@ export class Stage {
   }
 
   redraw(): void {
-    if (!this.#frame && !this.#disposed) this.#frame = requestAnimationFrame(() => this.#draw());
+    if (!this.#frame && !this.#disposed) this.#frame = requestAnimationFrame(() => this.#next());
+  }
+
+  /** A frame only when the one before it is drawn: commands that wait for a slow GPU would hold up the page. */
+  #next(): void {
+    this.#frame = 0;
+    const gl = this.#renderer.getContext() as WebGL2RenderingContext;
+    if (this.#fence) {
+      if (gl.getSyncParameter(this.#fence, gl.SYNC_STATUS) !== gl.SIGNALED && !gl.isContextLost()) return this.redraw();
+      if (this.drawn > 1e5) this.#cost = (performance.now() - this.#begun) / this.drawn;
+      gl.deleteSync(this.#fence);
+      this.#fence = undefined;
+    }
+    this.#draw();
+    this.#begun = performance.now();
+    this.#fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0) ?? undefined;
+    gl.flush();
+    if (this.#isMoving) setTimeout(() => this.redraw(), movingMs + 20); // all points when the view stands still
+  }
+
+  get #isMoving(): boolean {
+    return performance.now() - this.#movedAt < movingMs;
   }
 
   /** Moved by hand: a photograph is no longer looked through. */
   moved(): void {
     this.#leave();
+    this.#movedAt = performance.now();
     this.redraw();
   }
 
@@ -285,10 +319,9 @@ export class Stage {
   }
 
   #draw(): void {
-    this.#frame = 0;
     this.#pose();
     const camera = this.#camera;
-    this.points.update(camera, (node: CloudNode) => this.#pixelsOf(node.half, sum(node.centre, this.origin, -1)));
+    this.points.update(camera, (node: CloudNode) => this.#pixelsOf(node.half, sum(node.centre, this.origin, -1)), this.#isMoving && this.#cost > 0 ? movingFrameMs / this.#cost : Infinity);
     if (this.pyramids.group.visible) this.pyramids.update((one) => this.#pyramidSize(one), this.hasPictures);
     [this.drawn, this.loading] = [this.points.drawn, this.points.loading];
     if (!this.isShaded) {

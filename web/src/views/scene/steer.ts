@@ -98,6 +98,7 @@ export function steer(stage: Stage, element: HTMLElement, clicked: (x: number, y
   }, { signal });
   element.addEventListener("pointermove", (event) => {
     const to = at(event);
+    stage.pointer = to;
     if (!fingers.has(event.pointerId)) return void hover(to);
     if (Math.hypot(to[0] - begun[0], to[1] - begun[1]) > clickPixels) isDrag = true;
     if (!isDrag) return;
@@ -109,6 +110,7 @@ export function steer(stage: Stage, element: HTMLElement, clicked: (x: number, y
     fingers.set(event.pointerId, to);
     stage.redraw();
   }, { signal });
+  element.addEventListener("pointerleave", () => (stage.pointer = undefined), { signal });
   const up = (event: PointerEvent): void => {
     if (fingers.delete(event.pointerId) && !isDrag && event.type === "pointerup" && event.button === 0) clicked(...at(event));
   };
