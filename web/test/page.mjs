@@ -7,6 +7,7 @@ import { createRequire } from "node:module";
 import { join, resolve } from "node:path";
 
 import { readValue } from "./height.mjs";
+import { sceneTests } from "./scene_tests.mjs";
 import { standIn } from "./stand_in.mjs";
 import { browserAt, makeProject, serve, startBrowser } from "./station.mjs";
 
@@ -18,7 +19,7 @@ if (!browserAt || !chromium) {
   process.exit(77);
 }
 
-const views = ["project", "map", "photographs", "control", "jobs"];
+const views = ["project", "map", "scene", "photographs", "control", "jobs"];
 const sizes = [{ width: 1280, height: 800 }, { width: 1920, height: 1080 }];
 const complaints = [];
 let base = "";
@@ -207,6 +208,8 @@ const tests = {
     assert.equal(await page.getByText(/cannot be shown/).count(), 0);
   },
 
+  ...sceneTests,
+
   async "the language is switched and kept"({ page }) {
     await page.getByLabel("Language").selectOption("de");
     await page.getByRole("navigation", { name: "Ansichten" }).getByRole("link", { name: "Karte" }).waitFor();
@@ -319,6 +322,7 @@ async function otherServer(page, second) {
   console.log("ok      another server is another one");
 }
 
+const only = process.env.ONLY; // tests whose names have this; all otherwise
 const project = makeProject(program, folder);
 let server = await serve(program, project);
 base = server.base;
@@ -335,7 +339,7 @@ try {
   const held = await standIn(context, base, project);
   const second = await context.newPage();
   await second.goto(base);
-  for (const [name, test] of Object.entries(tests)) {
+  for (const [name, test] of Object.entries(tests).filter(([name]) => !only || new RegExp(only).test(name))) {
     try {
       await test({ page, second, context, browser, folder: project, project: held, shots });
       console.log(`ok      ${name}`);
@@ -349,7 +353,7 @@ try {
     ++failed;
     console.log(`FAILED  no errors, and no request beyond the server\n  ${[...new Set(complaints)].join("\n  ")}`);
   }
-  await otherServer(page, second);
+  if (!only) await otherServer(page, second);
 } catch (error) {
   ++failed;
   console.log(`FAILED  ${error.stack}`);

@@ -13,7 +13,6 @@ const readout = (page) => page.locator(".scene .readout");
 async function colours(page) {
   const bytes = await scene(page).screenshot();
   return await page.evaluate(async (base64) => {
-    const image = new Image();
     const bytes = Uint8Array.from(atob(base64), (one) => one.charCodeAt(0));
     const bitmap = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
     const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
@@ -24,7 +23,6 @@ async function colours(page) {
       const key = `${data[i] >> 3} ${data[i + 1] >> 3} ${data[i + 2] >> 3}`;
       counts[key] = (counts[key] ?? 0) + 1;
     }
-    void image;
     return counts;
   }, bytes.toString("base64"));
 }
@@ -98,7 +96,7 @@ export const sceneTests = {
     await page.keyboard.press("Escape");
   },
 
-  async "points of a region get a class, are deleted, and come back"({ page, folder, shots }) {
+  async "points of a region get a class, are deleted, and come back"({ page, shots }) {
     await page.getByLabel("Coloured by").selectOption("class");
     await settled(page);
     const before = await colours(page);
@@ -132,7 +130,6 @@ export const sceneTests = {
     await settled(page);
     const after = await colours(page);
     assert.ok(Math.abs(near(after, building) - near(before, building)) < 20 && Math.abs(near(after, ground) - near(before, ground)) < 200, "as it was");
-    void folder;
   },
 
   async "a camera is looked through, and leads to its photograph"({ page, shots, project }) {
