@@ -8,6 +8,7 @@ import { join, resolve } from "node:path";
 
 import { drawingTests } from "./drawing_tests.mjs";
 import { readValue } from "./height.mjs";
+import { sceneTests } from "./scene_tests.mjs";
 import { standIn } from "./stand_in.mjs";
 import { browserAt, makeProject, serve, startBrowser } from "./station.mjs";
 import { stereoTests } from "./stereo_tests.mjs";
@@ -20,7 +21,7 @@ if (!browserAt || !chromium) {
   process.exit(77);
 }
 
-const views = ["project", "map", "photographs", "stereo", "control", "jobs"];
+const views = ["project", "map", "scene", "photographs", "stereo", "control", "jobs"];
 const sizes = [{ width: 1280, height: 800 }, { width: 1920, height: 1080 }];
 const complaints = [];
 let base = "";
@@ -212,6 +213,7 @@ const tests = {
   },
 
   ...drawingTests,
+  ...sceneTests,
 
   async "the language is switched and kept"({ page }) {
     await page.getByLabel("Language").selectOption("de");
@@ -325,6 +327,7 @@ async function otherServer(page, second) {
   console.log("ok      another server is another one");
 }
 
+const only = process.env.ONLY; // tests whose names have this; all otherwise
 const project = makeProject(program, folder);
 let server = await serve(program, project);
 base = server.base;
@@ -341,7 +344,7 @@ try {
   const held = await standIn(context, base, project);
   const second = await context.newPage();
   await second.goto(base);
-  for (const [name, test] of Object.entries({ ...tests, ...stereoTests })) {
+  for (const [name, test] of Object.entries({ ...tests, ...stereoTests }).filter(([name]) => !only || new RegExp(only).test(name))) {
     const began = Date.now();
     try {
       await test({ page, second, context, browser, folder: project, project: held, survey: join(folder, "survey"), program, shots });
@@ -356,7 +359,7 @@ try {
     ++failed;
     console.log(`FAILED  no errors, and no request beyond the server\n  ${[...new Set(complaints)].join("\n  ")}`);
   }
-  await otherServer(page, second);
+  if (!only) await otherServer(page, second);
 } catch (error) {
   ++failed;
   console.log(`FAILED  ${error.stack}`);

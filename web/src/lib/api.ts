@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Requests to the server, one function each.
 import type {
-  Control, Edits, Images, MapInfo, MarkKind, NextMark, OptionGroup, OptionValues, Places, Project, ProjectName, Refined, Residual, Settings, TiePoint, Vector2, Work,
+  Cloud, Control, Edits, Images, MapInfo, MarkKind, NextMark, OptionGroup, OptionValues, Places, Project, ProjectName, Refined, Residual, Settings, TiePoint, Vector2,
+  Work,
 } from "./types";
 import type { Ground, StereoMark, StereoPlace } from "./stereo_types";
 import type { AskedVertex, Drawing, FigureKind, MeasuredFigure, MeasuredProfile, MeasuredVolume, Vertex } from "./drawing_types";
@@ -47,6 +48,9 @@ export const map = (id: string): Promise<MapInfo> => ask(`${base(id)}/map`);
 export const images = (id: string): Promise<Images> => ask(`${base(id)}/images`);
 export const residuals = (id: string, image: number): Promise<{ points: Residual[] }> => ask(`${base(id)}/images/${image}/residuals`);
 export const ties = (id: string, most: number): Promise<{ points: TiePoint[] }> => ask(`${base(id)}/ties?most=${most}`);
+
+/** The cloud that can be read by ranges, else one in another form, and the edits of it. */
+export const cloud = (id: string): Promise<Cloud> => ask(`${base(id)}/cloud`);
 
 export const control = (id: string): Promise<Control> => ask(`${base(id)}/control`);
 /** With the tests that all marks have as they are now: seconds the first time. */
