@@ -9,6 +9,7 @@
 
 #include "collinea/base/result.h"
 #include "collinea/edit/draw_feature.h"
+#include "collinea/edit/edit_cloud.h"
 #include "collinea/edit/mark_point.h"
 #include "collinea/edit/mask_image.h"
 #include "collinea/edit/patch_seams.h"
@@ -36,7 +37,8 @@ struct Redo {
 /// with a member `point` change the control point of that name, and nothing else (EditsPoint); others change a part of
 /// EditedWork (EditsWork), or the history.
 using Edit = std::variant<MarkPoint, UnmarkPoint, SetPoint, SetRole, RemovePoint, MaskImage, UnmaskImage, PatchSeams,
-                          UnpatchSeams, DrawFeature, EraseFeature, SetAttribute, SetLayer, Undo, Redo>;
+                          UnpatchSeams, DrawFeature, EraseFeature, SetAttribute, SetLayer, ClassifyCloud, CutCloud,
+                          CropCloud, Undo, Redo>;
 
 /// A command that changes a control point.
 template <class Kind>

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "collinea/base/id.h"
+#include "collinea/cloud/cloud_edits.h"
 #include "collinea/vector/drawing.h"
 
 namespace collinea {
@@ -30,6 +31,7 @@ struct EditedWork {
   std::vector<ImageMask> masks;    ///< in the order of their edits
   std::vector<SeamPatch> patches;  ///< the same: where two overlap, the later one holds
   Drawing drawing;
+  std::vector<CloudRegion> regions;  ///< of the cloud, in the order of their edits
 };
 
 /// A text that is equal only of equal patches; for fingerprints.

@@ -19,6 +19,12 @@ Result<EditedWork> read_work(const Project& project, std::vector<UnfitEdit>* unf
   return work_in_force(EditContext(setup), journal.history(), unfit);
 }
 
+Result<CloudEdits> read_cloud_edits(const Project& project) {
+  Journal journal(project.folder);
+  COLLINEA_TRY(journal.refresh());
+  return CloudEdits(cloud_regions_in_force(journal.history()));
+}
+
 ImageMasks masks_of(const EditedWork& work) {
   ImageMasks masks;
   for (const ImageMask& one : work.masks) masks.add(one.image, one.ring_px);

@@ -15,6 +15,9 @@ namespace collinea {
 /// journal or the setup cannot be read.
 [[nodiscard]] Result<EditedWork> read_work(const Project& project, std::vector<UnfitEdit>* unfit = nullptr);
 
+/// The edits of the cloud. Errors: the journal cannot be read.
+[[nodiscard]] Result<CloudEdits> read_cloud_edits(const Project& project);
+
 /// The masks of a work.
 [[nodiscard]] ImageMasks masks_of(const EditedWork& work);
 /// Those of a project.

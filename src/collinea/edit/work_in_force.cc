@@ -20,4 +20,16 @@ EditedWork work_in_force(const EditContext& context, const EditHistory& history,
   return work;
 }
 
+std::vector<CloudRegion> cloud_regions_in_force(const EditHistory& history) {
+  std::vector<CloudRegion> regions;
+  for (const EditEntry& entry : history.entries())
+    if (entry.is_in_force())
+      std::visit(
+          [&](const auto& kind) {
+            if constexpr (std::is_base_of_v<EditsCloud, std::decay_t<decltype(kind)>>) regions.push_back(kind.region);
+          },
+          entry.edit);
+  return regions;
+}
+
 }  // namespace collinea

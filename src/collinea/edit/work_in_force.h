@@ -15,4 +15,7 @@ namespace collinea {
 [[nodiscard]] EditedWork work_in_force(const EditContext& context, const EditHistory& history,
                                        std::vector<UnfitEdit>* unfit = nullptr);
 
+/// Its regions of the cloud alone, which need nothing of the setup.
+[[nodiscard]] std::vector<CloudRegion> cloud_regions_in_force(const EditHistory& history);
+
 }  // namespace collinea

@@ -32,6 +32,11 @@ class Work : public EditsTest {
       text += "patch " + one.name + " " + setup_.images.at(one.image).file;
       ring(one.ring_m);
     }
+    for (const CloudRegion& one : work.regions) {
+      text += std::string(word_of(one.action)) + std::to_string(one.classification);
+      for (const auto& height : {one.low_m, one.high_m}) text += " " + (height ? exact(*height) : "-");
+      ring(one.ring_m);
+    }
     for (const DrawingLayer& one : work.drawing.layers) text += line_of(words_of(SetLayer{one})) + "; ";
     for (const DrawnFeature& one : work.drawing.features) {
       text += line_of(words_of(drawn_again(one))) + "; ";
@@ -50,7 +55,7 @@ std::vector<std::string> any_work(Random& random) {
   };
   const std::string name = one_of({"a", "b", "c"}),
                     kind = one_of({"mask", "mask", "unmask", "patch", "patch", "unpatch", "draw", "draw", "erase",
-                                   "attribute", "layer"});
+                                   "attribute", "layer", "classify", "cut", "crop"});
   const std::string feature = "F" + std::to_string(1 + random.below(12));
   if (kind == "erase") return {kind, feature};
   if (kind == "attribute") return {kind, feature, name, one_of({"x", "y", "-"})};
@@ -66,6 +71,8 @@ std::vector<std::string> any_work(Random& random) {
   if (kind.starts_with("un")) return {kind, name};
   std::vector<std::string> words = {kind, name, one_of({"photo 0.jpg", "PHOTO 3.JPG"})};
   if (kind == "mask" && random.below(4) == 0) words[2] = "*";
+  if (kind == "classify") words = {kind, std::to_string(random.below(256)), "-", "100"};
+  if (kind == "cut" || kind == "crop") words = {kind, "-3.5", one_of({"-", "12"})};
   for (int i = 0; i < 8; ++i) words.push_back(std::to_string(1000 * random.uniform()));
   return words;
 }
@@ -80,7 +87,7 @@ TEST_F(Work, IsWhatTheEditsInForceMakeWhateverIsUndoneAndRedone) {
     kinds.insert(words[0]);
     states.push_back(now());
   }
-  EXPECT_EQ(kinds.size(), 8u);
+  EXPECT_EQ(kinds.size(), 11u);
   for (std::size_t i = states.size() - 1; i > 0; --i) {
     ASSERT_EQ(make({"undo"}), "");
     EXPECT_EQ(now(), states[i - 1]) << i;

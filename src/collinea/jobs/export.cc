@@ -10,6 +10,7 @@
 #include "collinea/base/file.h"
 #include "collinea/cloud/las.h"
 #include "collinea/cloud/ply.h"
+#include "collinea/edit/read_work.h"
 #include "collinea/io/bingo.h"
 #include "collinea/io/bundler.h"
 #include "collinea/io/colmap.h"
@@ -66,9 +67,18 @@ std::string tile_name(const Tile& tile, double tile_m) {
   return fmt::format("cloud_{}_{}", exact(double(tile.first) * tile_m), exact(double(tile.second) * tile_m));
 }
 
+// The cloud as edits by hand have it, piece by piece.
+template <class Take>
+Result<> for_each_edited_piece(const Project& project, const CloudEdits& edits, const Take& take) {
+  return for_each_piece(project.cloud(), project.run, [&](std::vector<CloudPoint>& points) {
+    edits.apply(points);
+    return take(points);
+  });
+}
+
 // So many tiles at once, each with its file, and the cloud read as often as that takes: no cloud has too many tiles.
-Result<> write_tiles(const Project& project, const std::filesystem::path& folder, LasWriter::Options options,
-                     const std::map<Tile, std::uint64_t>& counts, double tile_m) {
+Result<> write_tiles(const Project& project, const CloudEdits& edits, const std::filesystem::path& folder,
+                     LasWriter::Options options, const std::map<Tile, std::uint64_t>& counts, double tile_m) {
   constexpr std::size_t kAtOnce = 64;
   const Eigen::Vector3d lowest = options.lowest, highest = options.highest;
   options.run.threads = 1;  // so many writers, each with what its threads wait for
@@ -83,7 +93,7 @@ Result<> write_tiles(const Project& project, const std::filesystem::path& folder
                    LasWriter::create(folder / las_file_name(tile_name(first->first, tile_m), options.form), options));
       writers.emplace(first->first, std::move(writer));
     }
-    auto written = for_each_piece(project.cloud(), project.run, [&](std::vector<CloudPoint>& points) -> Result<> {
+    auto written = for_each_edited_piece(project, edits, [&](std::vector<CloudPoint>& points) -> Result<> {
       std::map<Tile, std::vector<CloudPoint>> parts;
       for (const CloudPoint& point : points)
         if (const Tile tile = tile_of(point, tile_m); writers.contains(tile)) parts[tile].push_back(point);
@@ -111,21 +121,22 @@ Result<> export_cloud(const Project& project, const std::filesystem::path& folde
   LasWriter::Options options{header.lowest, header.highest, header.wkt};
   options.form = form;
   options.run = project.run;
+  COLLINEA_TRY(const CloudEdits edits, read_cloud_edits(project));
   if (!tile_m) {
     COLLINEA_TRY(LasWriter writer, LasWriter::create(folder / las_file_name("cloud", form), options));
-    auto written = for_each_piece(project.cloud(), project.run,
-                                  [&](std::vector<CloudPoint>& points) { return writer.write(points); });
+    auto written =
+        for_each_edited_piece(project, edits, [&](std::vector<CloudPoint>& points) { return writer.write(points); });
     return written ? writer.finish() : written;
   }
   constexpr std::size_t kMostTiles = 1'000'000;
   std::map<Tile, std::uint64_t> counts;
-  auto counted = for_each_piece(project.cloud(), project.run, [&](std::vector<CloudPoint>& points) -> Result<> {
+  auto counted = for_each_edited_piece(project, edits, [&](std::vector<CloudPoint>& points) -> Result<> {
     for (const CloudPoint& point : points) ++counts[tile_of(point, *tile_m)];
     if (counts.size() > kMostTiles)
       return fail(Errc::kBadInput, "the tiles are too small: there would be a million", {"tile_m"_option});
     return {};
   });
-  return counted ? write_tiles(project, folder, options, counts, *tile_m) : counted;
+  return counted ? write_tiles(project, edits, folder, options, counts, *tile_m) : counted;
 }
 
 std::optional<LasForm> cloud_form_of(ExportFormat format) {

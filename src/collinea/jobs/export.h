@@ -44,8 +44,8 @@ struct ExportOptions {
 /// Writes the oriented block for other programs: a COLMAP model in the local world frame; bundle.out and list.txt for
 /// Bundler, likewise; omega, phi, kappa in the map; image coordinates and control for PATB
 /// (block.im, block.con) or BINGO (image.dat, geoin.dat, itera.dat), freed from distortion; tie points; or the dense
-/// cloud in the map, in the form asked for whatever the project's is, with `tile_m` cut into squares of the map, one
-/// file each, listed in tiles.csv. Errors: not oriented yet, options, disk.
+/// cloud in the map with the edits by hand that are in force, in the form asked for whatever the project's is, with
+/// `tile_m` cut into squares of the map, one file each, listed in tiles.csv. Errors: not oriented yet, options, disk.
 [[nodiscard]] Result<> export_block(Project& project, const std::filesystem::path& folder,
                                     const ExportOptions& options);
 

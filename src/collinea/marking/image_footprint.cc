@@ -26,4 +26,17 @@ std::optional<std::vector<Eigen::Vector3d>> image_footprint(const Camera& camera
   return outline;
 }
 
+std::optional<std::array<Eigen::Vector3d, 4>> corner_rays(const Camera& camera, const Rigid3& cam_from_world) {
+  constexpr double kLeastCosine = 0.05;  // flatter ones reach the depth of one beyond all that can be shown
+  const double width = camera.width_px, height = camera.height_px;
+  const Eigen::Vector2d corners[] = {{0, 0}, {width, 0}, {width, height}, {0, height}};
+  std::array<Eigen::Vector3d, 4> rays;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector3d in_cam = ray_in_cam(camera, corners[i]);
+    if (!(in_cam.z() > kLeastCosine)) return std::nullopt;
+    rays[i] = cam_from_world.rotation.conjugate() * Eigen::Vector3d(in_cam / in_cam.z());
+  }
+  return rays;
+}
+
 }  // namespace collinea

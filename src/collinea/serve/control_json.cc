@@ -53,6 +53,18 @@ json footprint_of(const ProjectView& view, const TiedBlock& ties, ImageId id) {
   return all;
 }
 
+// In the map's axes, from the projection centre.
+json corner_rays_of(const ProjectView& view, ImageId id) {
+  const auto pose = find_pose(view.block, id);
+  const auto rays = pose ? corner_rays(view.block.camera_of(id), *pose) : std::nullopt;
+  if (!rays) return nullptr;
+  const Vector3d centre = centre_of(*pose);
+  json all = json::array();
+  for (const Vector3d& ray : *rays)
+    all.push_back(rounded(Vector3d(view.in_map(centre + ray) - view.in_map(centre)), 6));
+  return all;
+}
+
 struct Bounds {
   Vector2d low = Vector2d::Constant(std::numeric_limits<double>::infinity());
   Vector2d high = -low;
@@ -120,6 +132,7 @@ Result<std::string> images_json(const ProjectView& view) {
                              {"position", position ? rounded(view.in_map(*position), 4) : json(nullptr)},
                              {"sigma_m", sigma},
                              {"footprint", footprint_of(view, *ties, id)},
+                             {"corner_rays", corner_rays_of(view, id)},
                              {"marks", marks[id]}});
   }
   return text_of(all);

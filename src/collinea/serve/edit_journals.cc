@@ -2,6 +2,7 @@
 #include "collinea/serve/edit_journals.h"
 
 #include "collinea/base/file.h"
+#include "collinea/edit/work_in_force.h"
 #include "collinea/serve/edits_json.h"
 
 namespace collinea {
@@ -26,6 +27,13 @@ Result<std::string> EditJournals::edits(const ServedProject& project, std::uint6
   const std::lock_guard lock(one->mutex);
   COLLINEA_TRY(one->journal.refresh());
   return edits_json(one->journal.history(), since, kMostEntries);
+}
+
+Result<std::vector<CloudRegion>> EditJournals::cloud_regions(const ServedProject& project) {
+  const auto one = kept(project);
+  const std::lock_guard lock(one->mutex);
+  COLLINEA_TRY(one->journal.refresh());
+  return cloud_regions_in_force(one->journal.history());
 }
 
 Result<EditsMade> EditJournals::make(const ServedProject& project, const Edit& edit) {

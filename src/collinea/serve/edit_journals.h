@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "collinea/edit/edited_work.h"
 #include "collinea/edit/make_edits.h"
 #include "collinea/serve/project_files.h"
 
@@ -34,6 +35,8 @@ class EditJournals {
  public:
   /// As edits_json() has it, read anew where the file grew.
   [[nodiscard]] Result<std::string> edits(const ServedProject& project, std::uint64_t since);
+  /// The regions of the cloud that are in force.
+  [[nodiscard]] Result<std::vector<CloudRegion>> cloud_regions(const ServedProject& project);
   /// The number of the last entry.
   [[nodiscard]] Result<EditsMade> make(const ServedProject& project, const Edit& edit);
   /// What grew behind `change`, in whichever program; everything that has entries behind 0. Looks at the files at most

@@ -30,4 +30,9 @@ HttpResponse edits_response(const HttpRequest& request, const Target& target, co
   return answer_or_error(journals.edits(project, since));
 }
 
+HttpResponse cloud_response(const ServedProject& project, EditJournals& journals) {
+  return answer_or_error(journals.cloud_regions(project).map(
+      [&](const std::vector<CloudRegion>& regions) { return cloud_json(project.folder, regions); }));
+}
+
 }  // namespace collinea

@@ -14,4 +14,7 @@ namespace collinea {
 [[nodiscard]] HttpResponse edits_response(const HttpRequest& request, const Target& target,
                                           const ServedProject& project, EditJournals& journals);
 
+/// GET of /api/projects/ID/cloud, as cloud_json() has it.
+[[nodiscard]] HttpResponse cloud_response(const ServedProject& project, EditJournals& journals);
+
 }  // namespace collinea

@@ -53,6 +53,21 @@ TEST_F(EditRoutes, EditsAreMadeUndoneAndRead) {
   EXPECT_TRUE(read("?since=3").at("entries").empty());
 }
 
+TEST_F(EditRoutes, TheCloudComesWithItsEditsInForce) {
+  const std::string cloud = project() + "/cloud";
+  EXPECT_EQ(json::parse(fetch(cloud).body), json::parse(R"({"file":null,"other":null,"regions":[]})"));
+  std::filesystem::create_directories(village() / "products");
+  ASSERT_TRUE(write_file(village() / "products/cloud.las", "LASF"));
+  ASSERT_TRUE(write_file(village() / "products/cloud.copc.laz", "LASF"));
+  ASSERT_EQ(edit({"classify", "6", "-", "12.5", "0", "0", "10", "0", "10", "5"}).status, 200);
+  ASSERT_EQ(edit({"cut", "1", "2", "0", "0", "10", "0", "10", "5"}).status, 200);
+  ASSERT_EQ(edit({"undo"}).status, 200);
+  EXPECT_EQ(json::parse(fetch(cloud).body),
+            json::parse(R"({"file":"products/cloud.copc.laz","other":"products/cloud.las","regions":[
+              {"action":"classify","class":6,"ring":[[0,0],[10,0],[10,5]],"low_m":null,"high_m":12.5}]})"));
+  EXPECT_EQ(post(cloud, "{}").status, 405);
+}
+
 TEST_F(EditRoutes, WhatOtherProgramsAppendIsReadAndCarriedOn) {
   ASSERT_EQ(edit({"role", "B", "check"}).status, 200);
   Journal journal(village());

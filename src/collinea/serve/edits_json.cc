@@ -5,6 +5,9 @@
 #include <stdexcept>
 #include <vector>
 
+#include "collinea/base/file.h"
+#include "collinea/cloud/las.h"
+
 namespace collinea {
 namespace {
 
@@ -36,6 +39,28 @@ std::string edits_json(const EditHistory& history, std::uint64_t since, std::siz
                               {"command", words_of(chosen[i]->edit)},
                               {"undone", chosen[i]->undone}});
   return all.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+std::string cloud_json(const std::filesystem::path& project, std::span<const CloudRegion> regions) {
+  const auto path_of = [&](LasForm form) -> json {
+    const std::string path = "products/" + las_file_name("cloud", form);
+    return is_there(project / path) ? json(path) : json(nullptr);
+  };
+  const json las = path_of(LasForm::kLas);
+  json all = {{"file", path_of(LasForm::kCopc)}, {"other", las.is_null() ? path_of(LasForm::kLaz) : las}};
+  all["regions"] = json::array();
+  const auto height = [](const std::optional<double>& value) { return value ? json(*value) : json(nullptr); };
+  for (const CloudRegion& region : regions) {
+    json ring = json::array();
+    for (const Eigen::Vector2d& point : region.ring_m) ring.push_back({point.x(), point.y()});
+    const bool classifies = region.action == CloudAction::kClassify;
+    all["regions"].push_back({{"action", word_of(region.action)},
+                              {"class", classifies ? json(region.classification) : json(nullptr)},
+                              {"ring", std::move(ring)},
+                              {"low_m", height(region.low_m)},
+                              {"high_m", height(region.high_m)}});
+  }
+  return all.dump();
 }
 
 Result<Edit> edit_in(std::string_view body) {

@@ -14,6 +14,7 @@
 #include "collinea/serve/options_json.h"
 #include "collinea/serve/project_files.h"
 #include "collinea/serve/project_json.h"
+#include "collinea/serve/stereo_routes.h"
 
 namespace collinea {
 namespace {
@@ -89,6 +90,7 @@ HttpResponse project_response(const HttpRequest& request, const Target& target, 
     return file_response(request, *project, std::span(target.path).subspan(4));
   }
   if (auto response = control_response(request, target, *project, *site.views)) return *std::move(response);
+  if (auto response = stereo_response(request, target, *project, *site.views)) return *std::move(response);
   if (auto response = drawing_response(request, target, *project, *site.views)) return *std::move(response);
   if (what == "images")
     return reads ? image_response(request, *project, std::span(target.path).subspan(4), *site.views)
@@ -96,6 +98,7 @@ HttpResponse project_response(const HttpRequest& request, const Target& target, 
   if (target.path.size() > 4) return not_found();
   if (what == "jobs") return reads ? method_not_allowed("POST") : new_job(request, *project, site);
   if (what == "edits") return edits_response(request, target, *project, *site.journals);
+  if (what == "cloud") return reads ? cloud_response(*project, *site.journals) : method_not_allowed("GET");
   if (what == "settings") return reads ? settings_of(*project) : method_not_allowed("GET");
   return not_found();
 }
@@ -165,10 +168,11 @@ std::uint64_t asked_since(std::string_view target) {
 
 std::vector<std::pair<std::string, std::string>> guarding_headers(bool is_project_file) {
   // Pages of a project are self-contained; a sandbox keeps them from asking the server anything.
-  const std::string policy =
-      is_project_file ? "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
-                      : "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; "
-                        "frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+  const std::string policy = is_project_file
+                                 ? "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
+                                 : "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; "
+                                   "style-src 'self'; img-src 'self'; connect-src 'self'; "
+                                   "frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
   return {{"Content-Security-Policy", policy},
           {"X-Content-Type-Options", "nosniff"},
           {"Referrer-Policy", "no-referrer"},

@@ -133,9 +133,32 @@ export interface ImageInfo {
   /** Of the projection centre; before orientation that of GNSS. */
   position: Vector3 | null;
   sigma_m: Vector3 | null;
+  /** In the map's axes, from the projection centre through upper left, upper right, lower right, lower left to the depth of one; null: not oriented, or too wide. */
+  corner_rays?: Vector3[] | null;
   /** On the ground. */
   footprint: Vector2[] | null;
   marks: number;
+}
+
+/** An edit of the cloud, as `collinea edit` takes it: a prism over a part of the map, and what becomes of its points. */
+export interface CloudRegion {
+  action: "classify" | "cut" | "crop";
+  /** What "classify" gives. */
+  class: number | null;
+  /** Closed by itself, in the map. */
+  ring: Vector2[];
+  /** null: without end. */
+  low_m: number | null;
+  high_m: number | null;
+}
+
+export interface Cloud {
+  /** Path of the cloud in an octree (COPC). */
+  file: string | null;
+  /** Path of a cloud in another form. */
+  other: string | null;
+  /** Edits in force, one after the other. */
+  regions: CloudRegion[];
 }
 
 export interface Images {

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+// The points of the cloud: the nodes that a view wants are loaded by the worker, kept within a budget, and drawn.
+import { BufferAttribute, BufferGeometry, Frustum, Group, Matrix4, Points, Sphere, Vector3, type Camera, type RawShaderMaterial } from "three";
+
+import type { CloudRegion } from "../../lib/types";
+import type { CloudHeader, CloudNode } from "./cloud_file";
+import { type FromWorker, type LoadedNode, type PickRay, type PickedPoint, type Spread, type ToWorker } from "./messages";
+import { LeastRecentlyUsed, wantedNodes } from "./octree";
+import { pointMaterial } from "./shaders";
+import type { Triple } from "./viewpoint";
+
+/** So many points stay loaded for one that is drawn at most. */
+const kept = 1.5;
+
+export interface PointsEvents {
+  opened(header: CloudHeader): void;
+  failed(why: string): void;
+  /** Something is to be drawn anew. */
+  changed(): void;
+  spread(spread: Spread): void;
+  /** A class was seen for the first time. */
+  classes(classes: number[]): void;
+}
+
+export class CloudPoints {
+  readonly group = new Group();
+  readonly material: RawShaderMaterial = pointMaterial();
+  budget = 2e6;
+  header: CloudHeader | undefined;
+  origin: Triple = [0, 0, 0];
+  /** Points drawn, and nodes on their way. */
+  drawn = 0;
+  loading = 0;
+  readonly #worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
+  readonly #events: PointsEvents;
+  readonly #used = new LeastRecentlyUsed();
+  readonly #shown = new Map<number, Points<BufferGeometry, RawShaderMaterial>>();
+  readonly #asked = new Set<number>();
+  readonly #broken = new Set<number>();
+  readonly #waits = new Map<number, (point: PickedPoint | null) => void>();
+  readonly #classes = new Set<number>();
+  #nodes: CloudNode[] = [];
+  #wanted: number[] = [];
+  #ask = 0;
+
+  constructor(events: PointsEvents) {
+    this.#events = events;
+    this.#worker.onmessage = (event: MessageEvent<FromWorker>) => this.#heard(event.data);
+    this.#worker.onerror = (event) => events.failed(event.message);
+  }
+
+  open(address: string, regions: CloudRegion[]): void {
+    this.#say({ open: address, regions });
+  }
+
+  setRegions(regions: CloudRegion[]): void {
+    this.#say({ regions });
+  }
+
+  /** Chooses what a view shows; `pixels(node)`: size of its side on the screen; drawn now are about `most` points of it. */
+  update(camera: Camera, pixels: (node: CloudNode) => number, most = Infinity): void {
+    const frustum = new Frustum().setFromProjectionMatrix(new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse));
+    const sphere = new Sphere();
+    const seen = (node: CloudNode): number => {
+      sphere.set(this.#local(node.centre), node.half * Math.sqrt(3));
+      return frustum.intersectsSphere(sphere) ? pixels(node) : 0;
+    };
+    this.#wanted = wantedNodes(this.#nodes, seen, this.budget);
+    const wanted = new Set(this.#wanted);
+    const cancelled = [...this.#asked].filter((index) => !wanted.has(index));
+    for (const index of cancelled) this.#asked.delete(index);
+    if (cancelled.length) this.#say({ cancel: cancelled });
+    this.drawn = 0;
+    for (const points of this.#shown.values()) points.visible = false;
+    for (const index of this.#wanted) {
+      const node = this.#nodes[index] as CloudNode;
+      const points = this.#shown.get(index);
+      if (points) {
+        this.#used.use(index, node.points);
+        points.visible = this.drawn < most;
+        if (points.visible) this.drawn += node.points;
+      } else if (!this.#asked.has(index) && !this.#broken.has(index)) {
+        this.#asked.add(index);
+        this.#say({ load: index });
+      }
+    }
+    this.loading = this.#asked.size;
+    const evicted = this.#used.evicted(kept * this.budget, wanted);
+    for (const index of evicted) this.#forget(index);
+    if (evicted.length) this.#say({ drop: evicted });
+  }
+
+  /** The point under a ray, of those that are drawn. */
+  pick(ray: PickRay): Promise<PickedPoint | null> {
+    const ask = ++this.#ask;
+    return new Promise((resolve) => {
+      this.#waits.set(ask, resolve);
+      this.#say({ pick: ray, among: this.#wanted.filter((index) => this.#shown.has(index)), ask });
+    });
+  }
+
+  dispose(): void {
+    this.#worker.terminate();
+    for (const index of [...this.#shown.keys()]) this.#forget(index);
+    this.material.dispose();
+    for (const resolve of this.#waits.values()) resolve(null);
+  }
+
+  #say(message: ToWorker): void {
+    this.#worker.postMessage(message);
+  }
+
+  #local(place: Triple): Vector3 {
+    return new Vector3(place[0] - this.origin[0], place[1] - this.origin[1], place[2] - this.origin[2]);
+  }
+
+  #heard(message: FromWorker): void {
+    if ("opened" in message) {
+      [this.header, this.#nodes] = [message.opened, message.nodes];
+      this.#events.opened(message.opened);
+    } else if ("failed" in message) this.#events.failed(message.failed);
+    else if ("loaded" in message) this.#take(message.loaded);
+    else if ("missed" in message) {
+      this.#broken.add(message.missed);
+      this.#asked.delete(message.missed);
+      this.#events.failed(message.why);
+    } else if ("edited" in message) this.#repaint(message.edited, message.colours, message.traits);
+    else {
+      this.#waits.get(message.ask)?.(message.picked);
+      this.#waits.delete(message.ask);
+    }
+  }
+
+  #take(loaded: LoadedNode): void {
+    const node = this.#nodes[loaded.node] as CloudNode;
+    this.#asked.delete(loaded.node);
+    const geometry = new BufferGeometry();
+    const positions = new BufferAttribute(loaded.positions, 3);
+    positions.onUpload(function (this: BufferAttribute) {
+      this.array = new Float32Array(0); // the worker has the exact ones
+    });
+    geometry.setAttribute("position", positions);
+    geometry.setAttribute("colour", new BufferAttribute(loaded.colours, 4, true));
+    geometry.setAttribute("traits", new BufferAttribute(loaded.traits, 4, true));
+    geometry.setDrawRange(0, node.points);
+    geometry.boundingSphere = new Sphere(new Vector3(), node.half * Math.sqrt(3));
+    const points = new Points(geometry, this.material);
+    points.frustumCulled = false;
+    points.position.copy(this.#local(node.centre));
+    this.#shown.set(loaded.node, points);
+    this.group.add(points);
+    this.#used.use(loaded.node, node.points);
+    this.#note(loaded.traits);
+    if (loaded.spread) this.#events.spread(loaded.spread);
+    this.#events.changed();
+  }
+
+  #note(traits: Uint8Array): void {
+    const before = this.#classes.size;
+    for (let i = 0; i < traits.length; i += 4) this.#classes.add(traits[i] as number);
+    if (this.#classes.size > before) this.#events.classes([...this.#classes].sort((a, b) => a - b));
+  }
+
+  #repaint(index: number, colours: Uint8Array, traits: Uint8Array): void {
+    const geometry = this.#shown.get(index)?.geometry;
+    this.#note(traits);
+    if (!geometry) return;
+    for (const [name, values] of [["colour", colours], ["traits", traits]] as const) {
+      const attribute = geometry.getAttribute(name) as BufferAttribute;
+      (attribute.array as Uint8Array).set(values);
+      attribute.needsUpdate = true;
+    }
+    this.#events.changed();
+  }
+
+  #forget(index: number): void {
+    const points = this.#shown.get(index);
+    if (!points) return;
+    this.group.remove(points);
+    points.geometry.dispose();
+    this.#shown.delete(index);
+  }
+}

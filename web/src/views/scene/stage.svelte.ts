@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: Apache-2.0
+// The scene itself: what is drawn, from where, and what lies under the pointer.
+import {
+  Color, ColorManagement, DepthTexture, LinearSRGBColorSpace, Matrix4, Mesh, OrthographicCamera, PerspectiveCamera, PlaneGeometry, Scene, Vector3, WebGLRenderTarget,
+  WebGLRenderer,
+} from "three";
+
+import type { CloudRegion, ControlPoint, ImageInfo } from "../../lib/types";
+import type { CloudHeader, CloudNode } from "./cloud_file";
+import type { PickedPoint, Spread } from "./messages";
+import { Overlay, showControl } from "./overlays";
+import { CloudPoints } from "./points";
+import { type Pyramid, Pyramids, pyramidHeight, pyramidsOf } from "./pyramids";
+import { type Colouring, colourings, shadingMaterial } from "./shaders";
+import { fieldOfView, sum, type Triple, Viewpoint } from "./viewpoint";
+
+ColorManagement.enabled = false;
+
+/** A view that moved so short ago moves still, and a frame of it should take so long at most. */
+const movingMs = 250;
+const movingFrameMs = 80;
+const pickPixels = 6; // how far from the pointer a point may lie
+
+export class Stage {
+  header = $state.raw<CloudHeader | undefined>();
+  error = $state("");
+  /** What most points lie between; nothing before the first are there. */
+  spread = $state.raw<Spread | undefined>();
+  /** Those seen so far. */
+  classes = $state.raw<number[]>([]);
+  drawn = $state(0);
+  loading = $state(0);
+  /** Under the pointer. */
+  under = $state.raw<PickedPoint | undefined>();
+  chosen = $state.raw<Pyramid | undefined>();
+  /** Whose view is looked through. */
+  through = $state.raw<Pyramid | undefined>();
+  isParallel = $state(false);
+  /** Where the pointer is on the canvas; nothing: elsewhere. */
+  pointer: [number, number] | undefined;
+  readonly view = new Viewpoint();
+  readonly points: CloudPoints;
+  readonly pyramids: Pyramids;
+  readonly control = new Overlay(4);
+  readonly drawing = new Overlay(5);
+  readonly draft = new Overlay(6);
+  isShaded = true;
+  hasPictures = true;
+  readonly #renderer: WebGLRenderer;
+  readonly #scene = new Scene();
+  readonly #perspective = new PerspectiveCamera();
+  readonly #parallel = new OrthographicCamera();
+  readonly #target: WebGLRenderTarget;
+  readonly #shading;
+  readonly #screen: Mesh<PlaneGeometry>;
+  readonly #screenScene = new Scene();
+  readonly #sizes: ResizeObserver;
+  #frame = 0;
+  /** Of the frame that the GPU is drawing, and when it began. */
+  #fence: WebGLSync | undefined;
+  #begun = 0;
+  /** Of a point on this GPU, about [ms]. */
+  #cost = 0;
+  #movedAt = -Infinity;
+  #pixels = 1;
+  #size: [number, number] = [1, 1];
+  #radius = 100;
+  #near = 1;
+  #far = 1000;
+  #disposed = false;
+
+  constructor(
+    readonly canvas: HTMLCanvasElement,
+    project: string,
+  ) {
+    this.#renderer = new WebGLRenderer({ canvas, powerPreference: "high-performance" });
+    this.#renderer.debug.checkShaderErrors = false; // asking for them waits for the GPU
+    this.#renderer.outputColorSpace = LinearSRGBColorSpace;
+    this.#renderer.autoClear = true;
+    const changed = (): void => this.redraw();
+    this.points = new CloudPoints({
+      changed,
+      opened: (header) => this.#opened(header),
+      failed: (why) => (this.error = why),
+      spread: (spread) => (this.spread = spread),
+      classes: (classes) => (this.classes = classes),
+    });
+    this.pyramids = new Pyramids(project, changed);
+    this.#target = new WebGLRenderTarget(1, 1, { depthTexture: new DepthTexture(1, 1) });
+    this.#shading = shadingMaterial(this.#target.texture, this.#target.depthTexture as DepthTexture);
+    this.#screen = new Mesh(new PlaneGeometry(2, 2), this.#shading);
+    this.#screen.frustumCulled = false;
+    this.#screenScene.add(this.#screen);
+    this.#scene.add(this.points.group, this.pyramids.group, this.control.group, this.drawing.group, this.draft.group);
+    this.#sizes = new ResizeObserver(() => this.#resize());
+    this.#sizes.observe(canvas.parentElement ?? canvas);
+    this.#resize();
+  }
+
+  get origin(): Triple {
+    return this.points.origin;
+  }
+  get size(): [number, number] {
+    return this.#size;
+  }
+  get #camera(): PerspectiveCamera | OrthographicCamera {
+    return this.view.isParallel ? this.#parallel : this.#perspective;
+  }
+
+  /** Everything is drawn about this place of the map: coordinates of the GPU are short. Before anything is shown. */
+  setOrigin(origin: Triple): void {
+    this.points.origin = origin.map(Math.round) as Triple;
+  }
+
+  setBackground(colour: string): void {
+    this.#scene.background = new Color(colour);
+    this.redraw();
+  }
+
+  setImages(images: ImageInfo[]): void {
+    this.pyramids.set(pyramidsOf(images, this.origin, pyramidHeight(images)));
+    if (!this.points.header) this.fitAll();
+    this.redraw();
+  }
+
+  setControl(points: ControlPoint[]): void {
+    showControl(this.control, points, this.origin);
+    this.redraw();
+  }
+
+  openCloud(address: string, regions: CloudRegion[]): void {
+    this.points.open(address, regions);
+  }
+
+  setColouring(colouring: Colouring, range: [number, number]): void {
+    const { uniforms } = this.points.material;
+    uniforms["colouring"]!.value = colourings.indexOf(colouring);
+    uniforms["range"]!.value.set(...range);
+    this.redraw();
+  }
+
+  setPointSize(size: number): void {
+    this.points.material.uniforms["size"]!.value = size * this.#pixels;
+    this.redraw();
+  }
+
+  setParallel(isParallel: boolean): void {
+    this.isParallel = this.view.isParallel = isParallel;
+    this.redraw();
+  }
+
+  /** All that there is. */
+  fitAll(): void {
+    this.#leave();
+    const header = this.points.header;
+    const ends = header ? [header.lowest, header.highest].map((one) => sum(one, this.origin, -1)) : this.pyramids.pyramids.map((one) => one.apex);
+    if (!ends.length) return;
+    const [low, high] = [Math.min, Math.max].map((end) => [0, 1, 2].map((axis) => end(...ends.map((one) => one[axis] as number)))) as [Triple, Triple];
+    this.#radius = Math.max(Math.hypot(...sum(high, low, -1)) / 2, 1);
+    this.view.fit(sum(low, sum(high, low, -1), 0.5), 0.62 * this.#radius);
+    this.redraw();
+  }
+
+  /** From the eye of a photograph, with its field of view. */
+  lookThrough(pyramid: Pyramid): void {
+    const forward = sum(pyramid.corners.reduce((mean, one) => sum(mean, one, 0.25), [0, 0, 0] as Triple), pyramid.apex, -1);
+    const up = sum(pyramid.corners[0], pyramid.corners[3], -1);
+    this.view.lookAlong(forward, up);
+    this.view.isParallel = this.isParallel = false;
+    this.view.distance = this.#heightAbove(pyramid.apex);
+    this.view.target = sum(pyramid.apex, this.view.axes.forward, this.view.distance);
+    this.#perspective.fov = (2 * Math.atan(Math.hypot(...up) / 2 / Math.hypot(...forward)) * 180) / Math.PI;
+    this.pyramids.cover(pyramid);
+    this.through = pyramid;
+    this.redraw();
+  }
+
+  redraw(): void {
+    if (!this.#frame && !this.#disposed) this.#frame = requestAnimationFrame(() => this.#next());
+  }
+
+  /** A frame only when the one before it is drawn: commands that wait for a slow GPU would hold up the page. */
+  #next(): void {
+    this.#frame = 0;
+    const gl = this.#renderer.getContext() as WebGL2RenderingContext;
+    if (this.#fence) {
+      if (gl.getSyncParameter(this.#fence, gl.SYNC_STATUS) !== gl.SIGNALED && !gl.isContextLost()) return this.redraw();
+      if (this.drawn > 1e5) this.#cost = (performance.now() - this.#begun) / this.drawn;
+      gl.deleteSync(this.#fence);
+      this.#fence = undefined;
+    }
+    this.#draw();
+    this.#begun = performance.now();
+    this.#fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0) ?? undefined;
+    gl.flush();
+    if (this.#isMoving) setTimeout(() => this.redraw(), movingMs + 20); // all points when the view stands still
+  }
+
+  get #isMoving(): boolean {
+    return performance.now() - this.#movedAt < movingMs;
+  }
+
+  /** Moved by hand: a photograph is no longer looked through. */
+  moved(): void {
+    this.#leave();
+    this.#movedAt = performance.now();
+    this.redraw();
+  }
+
+  /** Places of the view from -1 to 1, of pixels of the canvas. */
+  #unit(x: number, y: number): [number, number] {
+    return [(2 * x) / this.#size[0] - 1, 1 - (2 * y) / this.#size[1]];
+  }
+
+  ray(x: number, y: number): { origin: Triple; direction: Triple } {
+    return this.view.ray(...this.#unit(x, y), this.#size[0] / this.#size[1]);
+  }
+
+  /** The point of the cloud at a pixel of the canvas. */
+  async pick(x: number, y: number): Promise<PickedPoint | undefined> {
+    if (!this.points.header) return undefined;
+    const { origin, direction } = this.ray(x, y);
+    const perPixel = (2 * this.view.halfHeight) / this.#size[1];
+    const slope = this.view.isParallel ? 0 : (pickPixels * perPixel) / this.view.distance;
+    const ray = { origin: sum(origin, this.origin), direction, slope, radius_m: this.view.isParallel ? pickPixels * perPixel : 0 };
+    return (await this.points.pick(ray)) ?? undefined;
+  }
+
+  /** What a pixel of the canvas shows; where no point lies the plane through the target. */
+  async placeAt(x: number, y: number): Promise<Triple> {
+    const point = await this.pick(x, y);
+    return point ? sum(point.at, this.origin, -1) : this.view.onPlane(this.ray(x, y));
+  }
+
+  pyramidAt(x: number, y: number): Pyramid | undefined {
+    return this.pyramids.group.visible ? this.pyramids.at(x, y, this.#camera, (place) => this.pixelOf(place)) : undefined;
+  }
+
+  /** Where a local place is on the canvas; nothing behind the eye. */
+  pixelOf(place: Triple): [number, number] | undefined {
+    const at = new Vector3(...place).project(this.#camera);
+    return at.z < 1 && at.z > -1 ? [((at.x + 1) / 2) * this.#size[0], ((1 - at.y) / 2) * this.#size[1]] : undefined;
+  }
+
+  choose(pyramid: Pyramid | undefined): void {
+    this.chosen = pyramid;
+    this.pyramids.choose(pyramid?.image.id);
+    this.redraw();
+  }
+
+  dispose(): void {
+    this.#disposed = true;
+    cancelAnimationFrame(this.#frame);
+    this.#sizes.disconnect();
+    this.points.dispose();
+    this.pyramids.dispose();
+    for (const overlay of [this.control, this.drawing, this.draft]) overlay.clear();
+    this.#target.dispose();
+    this.#shading.dispose();
+    this.#screen.geometry.dispose();
+    this.#renderer.dispose();
+  }
+
+  #leave(): void {
+    if (!this.through) return;
+    this.through = undefined;
+    this.pyramids.cover(undefined);
+    this.view.level();
+  }
+
+  #opened(header: CloudHeader): void {
+    this.header = header;
+    this.fitAll();
+  }
+
+  #heightAbove(place: Triple): number {
+    const header = this.points.header;
+    const ground = header ? (header.lowest[2] + header.highest[2]) / 2 - this.origin[2] : place[2] - this.#radius;
+    return Math.max(place[2] - ground, this.#radius / 50);
+  }
+
+  #resize(): void {
+    const box = (this.canvas.parentElement ?? this.canvas).getBoundingClientRect();
+    this.#size = [Math.max(box.width, 1), Math.max(box.height, 1)];
+    this.#pixels = Math.min(window.devicePixelRatio || 1, 2);
+    this.#renderer.setPixelRatio(this.#pixels);
+    this.#renderer.setSize(...this.#size);
+    this.#target.setSize(Math.round(this.#size[0] * this.#pixels), Math.round(this.#size[1] * this.#pixels));
+    for (const overlay of [this.control, this.drawing, this.draft]) overlay.resize((0.5 * 2 * Math.tan(fieldOfView / 2)) / this.#size[1]);
+    this.redraw();
+  }
+
+  #pose(): void {
+    const { right, up, forward } = this.view.axes;
+    const [camera, eye] = [this.#camera, this.view.isParallel ? sum(this.view.target, this.view.axes.forward, -20 * this.view.distance - 2 * this.#radius) : this.view.eye];
+    camera.position.set(...eye);
+    camera.quaternion.setFromRotationMatrix(new Matrix4().makeBasis(new Vector3(...right), new Vector3(...up), new Vector3(...forward).negate()));
+    const away = Math.hypot(...sum(this.view.target, eye, -1));
+    const aspect = this.#size[0] / this.#size[1];
+    this.#near = this.view.isParallel ? 0 : Math.max(0.02 * this.view.distance, 0.02);
+    this.#far = away + 4 * this.#radius + 4 * this.view.distance;
+    if (this.view.isParallel) {
+      const half = this.view.halfHeight;
+      [this.#parallel.left, this.#parallel.right, this.#parallel.top, this.#parallel.bottom] = [-half * aspect, half * aspect, half, -half];
+    } else {
+      if (!this.through) this.#perspective.fov = (fieldOfView * 180) / Math.PI;
+      this.#perspective.aspect = aspect;
+    }
+    [camera.near, camera.far] = [this.#near, this.#far];
+    camera.updateProjectionMatrix();
+    camera.updateMatrixWorld();
+  }
+
+  #pixelsOf(half: number, centre: Triple): number {
+    const perMetre = this.#size[1] / (2 * Math.tan((this.#perspective.fov * Math.PI) / 360));
+    if (this.view.isParallel) return (2 * half * this.#size[1]) / (2 * this.view.halfHeight);
+    const away = Math.hypot(...sum(centre, this.view.eye, -1)) - Math.sqrt(3) * half;
+    return (2 * half * perMetre) / Math.max(away, this.#near);
+  }
+
+  #draw(): void {
+    this.#pose();
+    const camera = this.#camera;
+    this.points.update(camera, (node: CloudNode) => this.#pixelsOf(node.half, sum(node.centre, this.origin, -1)), this.#isMoving && this.#cost > 0 ? movingFrameMs / this.#cost : Infinity);
+    if (this.pyramids.group.visible) this.pyramids.update((one) => this.#pyramidSize(one), this.hasPictures);
+    [this.drawn, this.loading] = [this.points.drawn, this.points.loading];
+    if (!this.isShaded) {
+      this.#renderer.setRenderTarget(null);
+      this.#renderer.render(this.#scene, camera);
+      return;
+    }
+    this.#renderer.setRenderTarget(this.#target);
+    this.#renderer.render(this.#scene, camera);
+    const { uniforms } = this.#shading;
+    uniforms["pixel"]!.value.set(1 / this.#target.width, 1 / this.#target.height);
+    uniforms["range"]!.value.set(this.#near, this.#far);
+    uniforms["parallel"]!.value = this.view.isParallel;
+    this.#renderer.setRenderTarget(null);
+    this.#renderer.render(this.#screenScene, camera);
+  }
+
+  #pyramidSize(one: Pyramid): number {
+    const [a, b] = [this.pixelOf(one.corners[0]), this.pixelOf(one.corners[2])];
+    return a && b ? Math.hypot(a[0] - b[0], a[1] - b[1]) : 0;
+  }
+}
