@@ -53,6 +53,7 @@ Command interior_command();
 Command edit_command();
 Command serve_command();
 Command predict_command();
+Command ground_command();
 Command target_command();
 
 /// Commands under one heading of the help.
@@ -83,6 +84,7 @@ struct CommandGroup {
            verify_command(),
            serve_command(),
            predict_command(),
+           ground_command(),
        }},
       {"Pair: two images",
        {

@@ -7,7 +7,6 @@
 #include "collinea/edit/edit.h"
 #include "collinea/edit/edited_work.h"
 #include "collinea/edit/internal/words_in.h"
-#include "collinea/edit/set_attribute.h"
 #include "collinea/io/text.h"
 
 namespace collinea {
@@ -161,8 +160,8 @@ Result<> DrawFeature::apply(const EditContext&, EditedWork& work) const {
 }
 
 std::vector<std::vector<std::string>> DrawFeature::restoring(const EditContext&, const EditedWork& before) const {
-  if (const DrawnFeature* known = before.drawing.find(feature)) return {words_of(drawn_again(*known))};
-  return {words_of(EraseFeature{feature})};
+  if (const DrawnFeature* known = before.drawing.find(feature)) return {command_words(drawn_again(*known))};
+  return {command_words(EraseFeature{feature})};
 }
 
 std::uint64_t DrawFeature::number_of(const std::string& id) {
@@ -200,7 +199,7 @@ std::vector<std::vector<std::string>> EraseFeature::restoring(const EditContext&
   if (!known) return {};
   DrawFeature again = drawn_again(*known);
   again.feature = "*";
-  return {words_of(again)};
+  return {command_words(again)};
 }
 
 }  // namespace collinea

@@ -84,7 +84,7 @@ Result<> SetLayer::apply(const EditContext&, EditedWork& work) const {
 std::vector<std::vector<std::string>> SetLayer::restoring(const EditContext&, const EditedWork& before) const {
   const auto known = std::ranges::find(before.drawing.layers, layer.name, &DrawingLayer::name);
   if (known == before.drawing.layers.end()) return {};
-  return {words_of(SetLayer{*known})};
+  return {command_words(SetLayer{*known})};
 }
 
 }  // namespace collinea

@@ -16,15 +16,22 @@ using Eigen::Vector2d;
 using Eigen::VectorXd;
 
 constexpr int kX = 0, kY = 1, kBlur = 2, kGround = 3, kSlopeX = 4, kSlopeY = 5, kContrast = 6, kFirst = 7;
-constexpr int kIterations = 60;
+constexpr int kIterations = 30;
 constexpr double kLeastBlurPx = 0.2, kLargestBlurPx = 4;
 constexpr double kContrastSigmas = 5, kLeastContrast = 0.5;  // [grey]
 
 int count_of(TargetKind kind) { return kind == TargetKind::kCircle ? 10 : kind == TargetKind::kCross ? 11 : 9; }
 
-// Normal distribution and its density.
-double phi(double u) { return 0.5 * std::erfc(-u / std::numbers::sqrt2); }
-double density(double u) { return std::exp(-u * u / 2) / std::sqrt(2 * std::numbers::pi); }
+// Normal distribution and its density. So far out that a double does not tell them from 0 and 1, most pixels are.
+constexpr double kFarOut = 9;
+double phi(double u) {
+  if (std::abs(u) > kFarOut) return u > 0 ? 1 : 0;
+  return 0.5 * std::erfc(-u / std::numbers::sqrt2);
+}
+double density(double u) {
+  if (std::abs(u) > kFarOut) return 0;
+  return std::exp(-u * u / 2) / std::sqrt(2 * std::numbers::pi);
+}
 
 // Shape and its derivatives after x, y, blur and the unknowns from kFirst on.
 struct Shape {
@@ -32,8 +39,20 @@ struct Shape {
   std::array<double, 11> d{};
 };
 
-Shape circle_shape(const VectorXd& u, const Vector2d& q) {
-  const double a = u[kFirst], b = u[kFirst + 1], c = std::cos(u[kFirst + 2]), s = std::sin(u[kFirst + 2]);
+// Sine and cosine of an angle among the unknowns: once for all pixels.
+struct Turn {
+  double s = 0, c = 1;
+  Turn() = default;
+  explicit Turn(double angle) : s(std::sin(angle)), c(std::cos(angle)) {}
+};
+using Turns = std::array<Turn, 2>;
+Turns turns_of(TargetKind kind, const VectorXd& u) {
+  if (kind == TargetKind::kCircle) return {Turn(u[kFirst + 2]), Turn()};
+  return {Turn(u[kFirst]), Turn(u[kFirst + 1])};
+}
+
+Shape circle_shape(const VectorXd& u, const Turns& turns, const Vector2d& q) {
+  const double a = u[kFirst], b = u[kFirst + 1], c = turns[0].c, s = turns[0].s;
   const double x = c * q.x() + s * q.y(), y = -s * q.x() + c * q.y();  // in the axes
   const double f = std::sqrt(x * x / (a * a) + y * y / (b * b));
   Shape out;
@@ -63,16 +82,13 @@ Shape circle_shape(const VectorXd& u, const Vector2d& q) {
 // Distance from the line through the centre in the direction of an angle, and what moves it.
 struct FromLine {
   double t, by_x, by_y, by_angle;
-  FromLine(double angle, const Vector2d& q)
-      : t(-std::sin(angle) * q.x() + std::cos(angle) * q.y()),
-        by_x(std::sin(angle)),
-        by_y(-std::cos(angle)),
-        by_angle(-std::cos(angle) * q.x() - std::sin(angle) * q.y()) {}
+  FromLine(const Turn& turn, const Vector2d& q)
+      : t(-turn.s * q.x() + turn.c * q.y()), by_x(turn.s), by_y(-turn.c), by_angle(-turn.c * q.x() - turn.s * q.y()) {}
 };
 
-Shape cross_shape(const VectorXd& u, const Vector2d& q) {
+Shape cross_shape(const VectorXd& u, const Turns& turns, const Vector2d& q) {
   std::array<double, 2> bar{}, by_t{}, by_width{}, by_blur{};
-  const std::array<FromLine, 2> lines{FromLine(u[kFirst], q), FromLine(u[kFirst + 1], q)};
+  const std::array<FromLine, 2> lines{FromLine(turns[0], q), FromLine(turns[1], q)};
   for (std::size_t i = 0; i < 2; ++i) {
     const double s = u[kBlur], h = u[kFirst + 2 + int(i)], up = (h - lines[i].t) / s, down = (-h - lines[i].t) / s;
     bar[i] = phi(up) - phi(down);
@@ -93,9 +109,9 @@ Shape cross_shape(const VectorXd& u, const Vector2d& q) {
   return out;
 }
 
-Shape chequerboard_shape(const VectorXd& u, const Vector2d& q) {
+Shape chequerboard_shape(const VectorXd& u, const Turns& turns, const Vector2d& q) {
   std::array<double, 2> side{}, by_t{}, by_blur{};
-  const std::array<FromLine, 2> lines{FromLine(u[kFirst], q), FromLine(u[kFirst + 1], q)};
+  const std::array<FromLine, 2> lines{FromLine(turns[0], q), FromLine(turns[1], q)};
   for (std::size_t i = 0; i < 2; ++i) {
     const double w = lines[i].t / u[kBlur];
     side[i] = 2 * phi(w) - 1;
@@ -127,19 +143,64 @@ bool lies_in(const FloatImage& image, const Window& w) {
   return w.x0 >= 0 && w.y0 >= 0 && w.x0 + w.width <= image.width && w.y0 + w.height <= image.height;
 }
 
+// The grey value at a pixel, and its derivatives after the unknowns.
+double grey_of(TargetKind kind, const VectorXd& u, const Turns& turns, const Vector2d& p, double* derivatives) {
+  const Vector2d q = p - u.head<2>();
+  const Shape shape = kind == TargetKind::kCircle  ? circle_shape(u, turns, q)
+                      : kind == TargetKind::kCross ? cross_shape(u, turns, q)
+                                                   : chequerboard_shape(u, turns, q);
+  if (derivatives) {
+    for (Eigen::Index k = 0; k < u.size(); ++k) derivatives[k] = u[kContrast] * shape.d[std::size_t(k)];
+    derivatives[kX] -= u[kSlopeX];
+    derivatives[kY] -= u[kSlopeY];
+    derivatives[kGround] = 1;
+    derivatives[kSlopeX] = q.x();
+    derivatives[kSlopeY] = q.y();
+    derivatives[kContrast] = shape.value;
+  }
+  return u[kGround] + u[kSlopeX] * q.x() + u[kSlopeY] * q.y() + u[kContrast] * shape.value;
+}
+
 struct Equations {
-  MatrixXd design;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> design;
   VectorXd residuals;  // observed minus model
 };
 
 Equations equations_of(const FloatImage& image, const Window& window, TargetKind kind, const VectorXd& unknowns) {
-  Equations out{MatrixXd(window.count(), unknowns.size()), VectorXd(window.count())};
-  VectorXd derivatives;
+  Equations out;
+  out.design.resize(window.count(), unknowns.size());
+  out.residuals.resize(window.count());
+  const Turns turns = turns_of(kind, unknowns);
   for (int i = 0; i < window.count(); ++i) {
-    const double model = target_grey(kind, unknowns, window.pixel(i), &derivatives);
+    const double model = grey_of(kind, unknowns, turns, window.pixel(i), out.design.row(i).data());
     out.residuals[i] = image.at(window.x0 + i % window.width, window.y0 + i / window.width) - model;
-    out.design.row(i) = derivatives.transpose();
   }
+  return out;
+}
+
+// The normal equations at some unknowns; squares: of the residuals.
+struct Normals {
+  MatrixXd matrix;
+  VectorXd right;
+  double squares = 0;
+};
+
+Normals normals_of(const FloatImage& image, const Window& window, TargetKind kind, const VectorXd& unknowns) {
+  const Eigen::Index n = unknowns.size();
+  Normals out{MatrixXd::Zero(n, n), VectorXd::Zero(n), 0};
+  const Turns turns = turns_of(kind, unknowns);
+  std::array<double, 11> d{};
+  for (int i = 0; i < window.count(); ++i) {
+    const double residual = image.at(window.x0 + i % window.width, window.y0 + i / window.width) -
+                            grey_of(kind, unknowns, turns, window.pixel(i), d.data());
+    out.squares += residual * residual;
+    for (Eigen::Index a = 0; a < n; ++a) {
+      out.right[a] += d[std::size_t(a)] * residual;
+      double* const column = &out.matrix(0, a);
+      for (Eigen::Index b = 0; b <= a; ++b) column[b] += d[std::size_t(b)] * d[std::size_t(a)];
+    }
+  }
+  out.matrix.triangularView<Eigen::StrictlyLower>() = out.matrix.transpose();
   return out;
 }
 
@@ -158,26 +219,24 @@ bool is_possible(const Window& window, TargetKind kind, const VectorXd& u) {
 // Levenberg and Marquardt; the unknowns at the minimum, or nothing.
 std::optional<VectorXd> minimum(const FloatImage& image, const Window& window, TargetKind kind, VectorXd u) {
   double damping = 1e-3;
-  Equations now = equations_of(image, window, kind, u);
+  Normals now = normals_of(image, window, kind, u), then;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
-    const MatrixXd normals = now.design.transpose() * now.design;
-    const VectorXd right = now.design.transpose() * now.residuals;
-    MatrixXd damped = normals;
+    MatrixXd damped = now.matrix;
     damped.diagonal() *= 1 + damping;
     damped.diagonal().array() += 1e-12;
-    const VectorXd step = damped.ldlt().solve(right);
+    const VectorXd step = damped.ldlt().solve(now.right);
     const VectorXd next = u + step;
     if (!next.allFinite()) return std::nullopt;
     const bool possible = is_possible(window, kind, next);
-    Equations then = possible ? equations_of(image, window, kind, next) : now;
-    if (!possible || then.residuals.squaredNorm() > now.residuals.squaredNorm() * (1 + 1e-12)) {
+    if (possible) then = normals_of(image, window, kind, next);
+    if (!possible || then.squares > now.squares * (1 + 1e-12)) {
       damping *= 10;
       if (damping > 1e10) return std::nullopt;
       continue;
     }
     const bool is_done = step.head<2>().norm() < 1e-6 && damping < 1;
     u = next;
-    now = std::move(then);
+    std::swap(now, then);
     damping = std::max(1e-9, damping / 10);
     if (is_done) return u;
   }
@@ -379,21 +438,8 @@ std::optional<VectorXd> circle_start(const FloatImage& image, const Vector2d& at
 }  // namespace
 
 double target_grey(TargetKind kind, const TargetUnknowns& u, const Vector2d& p, VectorXd* derivatives) {
-  const Vector2d q = p - u.head<2>();
-  const Shape shape = kind == TargetKind::kCircle  ? circle_shape(u, q)
-                      : kind == TargetKind::kCross ? cross_shape(u, q)
-                                                   : chequerboard_shape(u, q);
-  if (derivatives) {
-    derivatives->resize(u.size());
-    for (Eigen::Index k = 0; k < u.size(); ++k) (*derivatives)[k] = u[kContrast] * shape.d[std::size_t(k)];
-    (*derivatives)[kX] -= u[kSlopeX];
-    (*derivatives)[kY] -= u[kSlopeY];
-    (*derivatives)[kGround] = 1;
-    (*derivatives)[kSlopeX] = q.x();
-    (*derivatives)[kSlopeY] = q.y();
-    (*derivatives)[kContrast] = shape.value;
-  }
-  return u[kGround] + u[kSlopeX] * q.x() + u[kSlopeY] * q.y() + u[kContrast] * shape.value;
+  if (derivatives) derivatives->resize(u.size());
+  return grey_of(kind, u, turns_of(kind, u), p, derivatives ? derivatives->data() : nullptr);
 }
 
 double Target::sigma_px() const {

@@ -26,4 +26,10 @@ struct MarkingBlock {
 /// Of each image, indices in Block::observations.
 [[nodiscard]] std::map<ImageId, std::vector<std::size_t>> observations_by_image(const Block& block);
 
+/// Whether the surface rises above the line from a position to a projection centre, both in the world. Near the
+/// position the surface is its own: what counts begins a few cells away, and stands out by a part of the way. No
+/// surface: nothing is hidden.
+[[nodiscard]] bool is_hidden(const SurfaceHeight& surface, const Eigen::Vector3d& position,
+                             const Eigen::Vector3d& centre);
+
 }  // namespace collinea

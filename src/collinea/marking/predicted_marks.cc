@@ -29,22 +29,6 @@ std::optional<Vector2d> seen_at(const Block& block, const OrientedImage& image, 
   return pixel && inside(camera, *pixel) ? pixel : std::nullopt;
 }
 
-// Whether the surface rises above the line from the point to the camera. Near the point the surface is the point's own:
-// what counts begins a few cells away, and stands out by a part of the way.
-bool is_hidden(const SurfaceHeight& surface, const Vector3d& position, const Vector3d& centre) {
-  if (!surface) return false;
-  constexpr int kSteps = 200;
-  constexpr double kPart = 0.01;  // of the distance in plan
-  const Vector3d way = centre - position;
-  for (int i = 4; i < kSteps; ++i) {
-    const double t = double(i) / kSteps;
-    const Vector3d at = position + t * way;
-    const auto height = surface(at.head<2>());
-    if (height && *height > at.z() + kPart * t * way.norm()) return true;
-  }
-  return false;
-}
-
 double middle_distance(const Camera& camera, const Vector2d& pixel) {
   const Vector2d size(camera.width_px, camera.height_px);
   return (pixel - size / 2).norm() / size.norm();

@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <vector>
 
 #include "collinea/feature/edges.h"
@@ -95,11 +96,19 @@ std::vector<Vector2d> candidates(const FloatImage& image, const EdgeMap& edges, 
 }
 
 std::optional<Measured> best_of(const FloatImage& image, const EdgeMap& edges, TargetKind kind, const Vector2d& click) {
+  constexpr double kSame_px = 0.1;
   std::optional<Measured> best;
+  std::map<int, std::vector<Vector2d>> centres;  // that windows of a radius led to
   for (const Vector2d& start : candidates(image, edges, kind, click)) {
     int misses = 0;
     for (const int radius : kRadii) {
       const auto target = measure_target(image, kind, start, radius);
+      if (target) {
+        auto& known = centres[radius];
+        const auto is_same = [&](const Vector2d& other) { return (target->at - other).norm() < kSame_px; };
+        if (std::ranges::any_of(known, is_same)) break;  // another start has led here, and on
+        known.push_back(target->at);
+      }
       const auto one = target ? measured(image, *target, radius, click) : std::nullopt;
       if (one && (!best || one->odds > best->odds)) best = one;
       misses = one ? 0 : misses + 1;

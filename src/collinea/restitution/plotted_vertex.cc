@@ -7,6 +7,7 @@
 
 #include "collinea/epipolar/intersect.h"
 #include "collinea/geometry/rotation.h"
+#include "collinea/restitution/moved_edges.h"
 
 namespace collinea {
 namespace {
@@ -61,6 +62,36 @@ Eigen::Matrix<double, 3, 2> by_pixel(const Block& block, const ImageMark& mark, 
     out.col(k) = (ray_of(block, ahead).direction - ray_of(block, behind).direction) * (t / (2 * kStep_px));
   }
   return out;
+}
+
+// Heights that a ray meets with edges where they may be as well, counted from where it does: the largest difference.
+// `along`: what the ray falls towards the surface by t.
+Result<double> step_under(const SurfaceRay& ray, double t, double along, const PlottingSurface& surface) {
+  double step = 0;
+  for (const bool outwards : {true, false}) {
+    COLLINEA_TRY(const SurfaceMeeting met,
+                 meeting(ray, moved_edges(surface.heights, outwards), surface.span, std::nullopt));
+    if (met.outcome == MonoplotOutcome::kFound) step = std::max(step, std::abs(along * (met.t - t)));
+  }
+  return step;
+}
+
+Result<double> step_at(const Vector2d& on_map, double height_m, const PlottingSurface& surface) {
+  const MapGrid& grid = surface.heights.grid;
+  const int column = std::clamp(int(std::floor(grid.column_of(on_map.x()))), 0, grid.width - 1),
+            row = std::clamp(int(std::floor(grid.row_of(on_map.y()))), 0, grid.height - 1);
+  double step = 0;
+  for (const bool outwards : {true, false}) {
+    COLLINEA_TRY(const FloatImage cell, moved_edges(surface.heights, outwards).read(column, row, 1, 1));
+    if (std::isfinite(cell.at(0, 0))) step = std::max(step, std::abs(double(cell.at(0, 0)) - height_m));
+  }
+  return step;
+}
+
+// Of a height whose neighbours beyond an edge may be meant: half the step, where there is one.
+double squared_sigma(double sigma_m, double step_m) {
+  constexpr double kNoise = 4;  // that is no step, in standard deviations
+  return sigma_m * sigma_m + (step_m > kNoise * sigma_m ? step_m * step_m / 4 : 0);
 }
 
 std::string message_of(MonoplotOutcome outcome) {
@@ -137,12 +168,13 @@ Result<PlottedVertex> VertexPlotter::mono(const ImageMark& mark) {
   SurfaceMeeting met;
   Matrix3d linear;
   Vector3d on_map;
+  SurfaceRay in_map_ray;
   constexpr int kMostTurns = 5;
   for (int turn = 0; turn < kMostTurns; ++turn) {
     const Vector3d origin = in_world(about);
     if (!origin.allFinite()) return fail(Errc::kIllPosed, "the ray leaves the map");
     linear = map_by_world(origin);
-    const SurfaceRay in_map_ray{about + linear * (ray.centre - origin), linear * ray.direction};
+    in_map_ray = {about + linear * (ray.centre - origin), linear * ray.direction};
     COLLINEA_TRY(met, meeting(in_map_ray, surface_->heights, surface_->span, std::nullopt));
     if (met.outcome != MonoplotOutcome::kFound) return fail(Errc::kIllPosed, message_of(met.outcome));
     on_map = in_map_ray.at(met.t);
@@ -151,13 +183,16 @@ Result<PlottedVertex> VertexPlotter::mono(const ImageMark& mark) {
   }
   PlottedVertex vertex{
       .position = on_map, .position_in_world = ray.at(met.t), .source = VertexSource::kMono, .errors = std::nullopt};
-  COLLINEA_TRY(VertexErrors errors, mono_errors(mark, ray, met, on_map, linear));
+  const double falls = in_map_ray.direction.dot(Vector3d(-met.slope.x(), -met.slope.y(), 1));
+  COLLINEA_TRY(const double step, step_under(in_map_ray, met.t, falls, *surface_));
+  COLLINEA_TRY(VertexErrors errors, mono_errors(mark, ray, met, on_map, linear, step));
   if (errors.covariance_m2.allFinite()) vertex.errors = std::move(errors);
   return vertex;
 }
 
 Result<VertexErrors> VertexPlotter::mono_errors(const ImageMark& mark, const SurfaceRay& ray, const SurfaceMeeting& met,
-                                                const Vector3d& on_map, const Matrix3d& map_by_world_axes) {
+                                                const Vector3d& on_map, const Matrix3d& map_by_world_axes,
+                                                double step_m) {
   // n is the gradient of height above the surface, by the world; n . dX is what an error of the height adds.
   const Vector3d normal = map_by_world_axes.transpose() * Vector3d(-met.slope.x(), -met.slope.y(), 1);
   const Vector3d& d = ray.direction;
@@ -170,7 +205,7 @@ Result<VertexErrors> VertexPlotter::mono_errors(const ImageMark& mark, const Sur
   const Eigen::Matrix<double, 3, 2> pixels = onto * by_pixel(marking_.block, mark, met.t);
   const Vector3d by_height = d / along;
   VertexErrors errors{mark.sigma_px * mark.sigma_px * pixels * pixels.transpose() +
-                      sigma * sigma * by_height * by_height.transpose()};
+                      squared_sigma(sigma, step_m) * by_height * by_height.transpose()};
   Matrix36 by_pose;
   by_pose << met.t * skew(d), Matrix3d::Identity();
   add(errors.by_pose, mark.image, onto * by_pose);
@@ -193,11 +228,12 @@ Result<PlottedVertex> VertexPlotter::plot_one(const VertexOnSurface& asked) {
   // An error in plan is one of the height as well, where the surface slopes.
   const double cell = surface_->heights.grid.cell_m, plan = asked.sigma_m.value_or(cell / 2);
   Matrix3d on_map = Matrix3d::Zero();
-  on_map(2, 2) = height.sigma_relative_m * height.sigma_relative_m;
+  COLLINEA_TRY(const double step, step_at(asked.on_map, height.height_m, *surface_));
+  on_map(2, 2) = squared_sigma(height.sigma_relative_m, step);
   for (int axis = 0; axis < 2; ++axis) {
-    const Vector2d step = cell * Vector2d::Unit(axis);
-    COLLINEA_TRY(const HeightSample ahead, surface_->samples.at(asked.on_map + step));
-    COLLINEA_TRY(const HeightSample behind, surface_->samples.at(asked.on_map - step));
+    const Vector2d aside = cell * Vector2d::Unit(axis);
+    COLLINEA_TRY(const HeightSample ahead, surface_->samples.at(asked.on_map + aside));
+    COLLINEA_TRY(const HeightSample behind, surface_->samples.at(asked.on_map - aside));
     const double rise = (ahead.height_m - behind.height_m) / (2 * cell);
     Vector3d moved = Vector3d::Unit(axis);
     moved.z() = std::isfinite(rise) ? rise : 0;
@@ -223,7 +259,7 @@ Result<PlottedVertex> VertexPlotter::plot_one(const GivenVertex& asked) {
   return vertex;
 }
 
-// By what it would be if it were plotted now, but where it was drawn, and as good as it was then.
+// As good as its marks are now, but where it was drawn; without marks as good as it was then.
 Result<PlottedVertex> VertexPlotter::plot_one(const RepeatedVertex& asked) {
   PlottedVertex vertex{.position = asked.vertex.position,
                        .position_in_world = in_world(asked.vertex.position),
@@ -241,7 +277,7 @@ std::optional<VertexErrors> VertexPlotter::as_drawn(const RepeatedVertex& asked,
   const bool is_marked = drawn.source == VertexSource::kStereo || drawn.source == VertexSource::kMono;
   if (is_marked && asked.marks.size() == drawn.marks.size() && !asked.marks.empty()) {
     const auto again = plot_one(MarkedVertex{asked.marks});
-    if (again && again->errors) errors.by_pose = again->errors->by_pose;
+    if (again && again->errors) return again->errors;
   } else if (drawn.source == VertexSource::kSurface || drawn.source == VertexSource::kCloud) {
     errors.by_pose = moved_by_poses(position_in_world);
   }

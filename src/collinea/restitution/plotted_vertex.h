@@ -67,7 +67,8 @@ struct PlottedVertex {
 /// Stereo: least-squares intersection by the sigmas of the marks; with B and A the derivatives of the pixels by point
 /// and poses and W the weights of the marks, G = (B'WB)^-1 B'W, the own covariance is (B'WB)^-1 and the poses move the
 /// point by -G A. Mono: see meeting(). What lies on the surface, or comes from the cloud, moves with the poses as a
-/// point does that the (up to kNearest) images nearest to it see with equal weights.
+/// point does that the (up to kNearest) images nearest to it see with equal weights. Beside a wall the surface may be
+/// that of the other side (moved_edges()): half the step counts as a standard deviation of the height.
 ///
 /// The covariance of several vertices together is that of their own errors, each for itself, and J C J' of all poses
 /// (local_poses(): those of the images named, and of the nearest that see each vertex).
@@ -100,7 +101,7 @@ class VertexPlotter {
   Result<PlottedVertex> stereo(std::span<const ImageMark> marks);
   Result<PlottedVertex> mono(const ImageMark& mark);
   Result<VertexErrors> mono_errors(const ImageMark& mark, const SurfaceRay& ray, const SurfaceMeeting& met,
-                                   const Eigen::Vector3d& on_map, const Eigen::Matrix3d& map_by_world);
+                                   const Eigen::Vector3d& on_map, const Eigen::Matrix3d& map_by_world, double step_m);
   std::optional<VertexErrors> as_drawn(const RepeatedVertex& asked, const Eigen::Vector3d& position_in_world);
   [[nodiscard]] std::vector<ImageId> nearest(const Eigen::Vector3d& position_in_world, std::size_t most) const;
   [[nodiscard]] std::vector<std::pair<ImageId, Eigen::Matrix<double, 3, 6>>> moved_by_poses(

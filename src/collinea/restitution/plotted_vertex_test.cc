@@ -151,5 +151,28 @@ TEST(PlottedVertex, CovariancesAreThoseOfTheErrorsAloneAndTogether) {
   distance.expect(1, "distance");
 }
 
+// A click on the ground beside a house may have meant its roof: both lie within two standard deviations. Far from the
+// wall there is no such doubt, and a slope of 45 degrees is none either.
+TEST(PlottedVertex, BesideAWallTheOtherSideIsWithinTwoStandardDeviations) {
+  const MarkingScene scene = marking_scene(1, false);
+  const TestFolder folder;
+  const MapGrid grid{-60, 60, kCell_m, 240, 240, ""};
+  const auto height = [](double x, double y) { return x < 0 ? 0 : x < 20 ? 5 : 5 + (x - 20) + 0 * y; };
+  ASSERT_TRUE(write_raster(folder / "dsm.tif", grid, height));
+  for (const char* name : {"dsm_sigma.tif", "dsm_sigma_relative.tif"})
+    ASSERT_TRUE(write_raster(folder / name, grid, [](double, double) { return kRelative_m; }));
+  auto surface = PlottingSurface::open(folder / "dsm.tif");
+  ASSERT_TRUE(surface);
+  VertexPlotter plotter(scene.marking(), nullptr, &*surface);
+  const auto sigma_h = [&](double x) {
+    const auto vertex = plotter.plot(VertexOnSurface{{x, 5}, 0.01});
+    EXPECT_TRUE(vertex && vertex->errors) << x;
+    return vertex && vertex->errors ? std::sqrt(vertex->errors->covariance_m2(2, 2)) : 0;
+  };
+  for (const double x : {-1.0, 1.0}) EXPECT_GT(2 * sigma_h(x), 5) << x;
+  for (const double x : {-4.0, 10.0}) EXPECT_NEAR(sigma_h(x), kRelative_m, 1e-3) << x;
+  EXPECT_LT(sigma_h(25), 2 * kRelative_m);
+}
+
 }  // namespace
 }  // namespace collinea

@@ -14,6 +14,7 @@
 #include "collinea/serve/options_json.h"
 #include "collinea/serve/project_files.h"
 #include "collinea/serve/project_json.h"
+#include "collinea/serve/stereo_routes.h"
 
 namespace collinea {
 namespace {
@@ -89,6 +90,7 @@ HttpResponse project_response(const HttpRequest& request, const Target& target, 
     return file_response(request, *project, std::span(target.path).subspan(4));
   }
   if (auto response = control_response(request, target, *project, *site.views)) return *std::move(response);
+  if (auto response = stereo_response(request, target, *project, *site.views)) return *std::move(response);
   if (auto response = drawing_response(request, target, *project, *site.views)) return *std::move(response);
   if (what == "images")
     return reads ? image_response(request, *project, std::span(target.path).subspan(4), *site.views)

@@ -2,12 +2,14 @@
 #include <algorithm>
 #include <limits>
 
+#include "collinea/base/file_text.h"
 #include "collinea/vector/drawing.h"
 
 namespace collinea {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr FileText kVertices = "vertices of all features with their standard deviations";
 constexpr const char* kAxes[] = {"e", "n", "h"};
 
 // Names of tables and fields are compared without case, in ASCII.
@@ -91,7 +93,7 @@ VectorLayer vertex_table(const Drawing& drawing) {
                                {"vertex", VectorType::kInteger},
                                {"source", VectorType::kText}},
                     .rows = {},
-                    .description = "vertices of all features with their standard deviations"};
+                    .description = kVertices};
   for (const char* axis : kAxes) table.fields.push_back({std::string("sigma_") + axis + "_m"});
   for (const char* pair : {"en", "eh", "nh"}) table.fields.push_back({std::string("covariance_") + pair + "_m2"});
   for (const DrawnFeature& feature : drawing.features)

@@ -4,6 +4,7 @@ import type {
   Cloud, Control, Edits, Images, MapInfo, MarkKind, NextMark, OptionGroup, OptionValues, Places, Project, ProjectName, Refined, Residual, Settings, TiePoint, Vector2,
   Work,
 } from "./types";
+import type { Ground, StereoMark, StereoPlace } from "./stereo_types";
 import type { AskedVertex, Drawing, FigureKind, MeasuredFigure, MeasuredProfile, MeasuredVolume, Vertex } from "./drawing_types";
 
 /** The server said no. */
@@ -74,6 +75,12 @@ export const volume = (id: string, ring: Vector2[], over: "rim" | number): Promi
 export const profile = (id: string, line: Vector2[]): Promise<MeasuredProfile> => ask(`${base(id)}/profile`, { line });
 /** All features; with the pixels at which a photograph shows their vertices where one is named. */
 export const drawing = (id: string, image?: number): Promise<Drawing> => ask(`${base(id)}/drawing${image === undefined ? "" : `?image=${image}`}`);
+
+/** The best pair for a place of the map, or two photographs, or the place in these. */
+export const stereo = (id: string, at?: Vector2, images?: Vector2): Promise<StereoPlace> =>
+  ask(`${base(id)}/stereo?${[...(at ? [`at=${at.join(",")}`] : []), ...(images ? [`images=${images.join(",")}`] : [])].join("&")}`);
+/** The mark set on the ground by least squares matching. */
+export const ground = (id: string, images: Vector2, mark: StereoMark, search_px: number): Promise<Ground> => ask(`${base(id)}/ground`, { images, mark, search_px });
 
 /** The address of a file of a project, for links and readers by range. */
 export const fileAddress = (id: string, path: string): string => `${base(id)}/files/${path.split("/").map(encodeURIComponent).join("/")}`;

@@ -61,7 +61,6 @@ export interface Code {
 }
 
 export interface Drawing {
-  number: number;
   layers: DrawingLayer[];
   codes: Code[];
   features: Feature[];

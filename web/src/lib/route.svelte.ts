@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where the page is: #/PROJECT/VIEW/REST, so that a place can be linked to and the browser's back works.
 
-export const views = ["project", "map", "scene", "photographs", "control", "jobs"] as const;
+export const views = ["project", "map", "scene", "photographs", "stereo", "control", "jobs"] as const;
 export type View = (typeof views)[number];
 
 export interface Place {

@@ -236,7 +236,14 @@ export class Chart {
     this.#map.on("pointermove", (event) => {
       if (!event.dragging) void this.#under(event.coordinate as Vector2).then((under) => under && (this.cursor = under));
     });
-    this.#map.on("singleclick", (event) => void this.#click(event.coordinate as Vector2, event.pixel));
+    // Vertices come as fast as a person clicks: two clicks are two vertices, and zoom nothing.
+    this.#map.on("click", (event) => {
+      if (drafting.takes) this.sketch.click(event.coordinate as Vector2, event.pixel);
+    });
+    this.#map.on("dblclick", (event) => {
+      if (drafting.takes) event.stopPropagation();
+    });
+    this.#map.on("singleclick", (event) => drafting.takes || void this.#click(event.coordinate as Vector2, event.pixel));
     this.#map.getViewport().addEventListener("pointerleave", () => {
       ++this.#latest;
       this.cursor = undefined;

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/jobs/measure_ground.h"
+
+#include "collinea/block/world_frame.h"
+#include "collinea/raster/image_window.h"
+#include "collinea/restitution/plotted_vertex.h"
+#include "collinea/restitution/stereo_view.h"
+
+namespace collinea {
+namespace {
+
+Result<std::optional<std::pair<ImageId, ImageId>>> images_named(const Block& block, const std::string& names) {
+  if (names.empty()) return std::optional<std::pair<ImageId, ImageId>>();
+  const std::size_t comma = names.find(',');
+  const std::array<std::string, 2> both{names.substr(0, comma),
+                                        comma == std::string::npos ? "" : names.substr(comma + 1)};
+  std::array<ImageId, 2> found{};
+  for (std::size_t k = 0; k < 2; ++k) {
+    for (const auto& [id, image] : block.images)
+      if (image.file == both[k]) found[k] = id;
+    if (!found[k].valid())
+      return fail(Errc::kBadInput, "there is no image \"" + both[k] + "\" in the project", {"images"_option});
+  }
+  return std::optional(std::pair(found[0], found[1]));
+}
+
+std::array<std::string, 2> files_of(const Block& block, const StereoChoice& pair) {
+  return {block.images.at(pair.images[0]).file, block.images.at(pair.images[1]).file};
+}
+
+}  // namespace
+
+Result<GroundReport> measure_ground(const Project& project, const Eigen::Vector2d& on_map,
+                                    const GroundOptions& options) {
+  if (options.match.window_px % 2 == 0)
+    return fail(Errc::kBadInput, "the side of the window is odd", {"window_px"_option});
+  COLLINEA_TRY(const Block block, project.store.read_block());
+  COLLINEA_TRY(const BlockCovariances covariances, project.store.read_covariances());
+  const auto adjustment = project.store.read_outcome<AdjustmentRecord>();
+  if (!adjustment && adjustment.error().code != Errc::kNotFound) return tl::unexpected(adjustment.error());
+  const double sigma0 = adjustment && adjustment->sigma0 > 1e-9 ? adjustment->sigma0 : 1;
+  COLLINEA_TRY(const auto frame, world_frame(block));
+  const LocalFrame* const on_earth = frame ? &*frame : nullptr;
+  const auto observations = observations_by_image(block);
+  const MarkingBlock marking{block, observations, covariances.poses, sigma0};
+  const auto field = open_height_field(project.folder / "products" / "dsm.tif");
+  COLLINEA_TRY(const auto images, images_named(block, options.images));
+  COLLINEA_TRY(const StereoView scene,
+               stereo_view(marking, on_earth, field ? heights_about(*field) : MapHeight(), {on_map, images}));
+  const PhotoWindow photo = [&](ImageId image, const PixelWindow& window) {
+    const Camera& camera = block.camera_of(image);
+    return read_grey_window(project.image_file(block.images.at(image)), camera.width_px, camera.height_px, window);
+  };
+  COLLINEA_TRY(const GroundMatch match, match_ground(block, scene.model, scene.mark, photo, options.match));
+  GroundReport report{.files = files_of(block, scene.shown), .pair = scene.shown, .match = match};
+  VertexPlotter plotter(marking, on_earth, nullptr);
+  const double sigma_px = match.mark_sigma_px();
+  COLLINEA_TRY(const PlottedVertex vertex,
+               plotter.plot(MarkedVertex{
+                   {{scene.model.left, match.pixels[0], sigma_px}, {scene.model.right, match.pixels[1], sigma_px}}}));
+  report.position = vertex.position;
+  if (const auto covariance = plotter.covariance_in_map(vertex)) report.sigma_m = covariance->diagonal().cwiseSqrt();
+  for (const StereoChoice& pair : scene.choices) report.others.push_back({files_of(block, pair), pair});
+  return report;
+}
+
+}  // namespace collinea

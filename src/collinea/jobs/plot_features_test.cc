@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "collinea/jobs/plot_features.h"
+
+#include <fmt/format.h>
+#include <gdal.h>
+#include <gtest/gtest.h>
+#include <ogr_api.h>
+#include <ogr_srs_api.h>
+
+#include "collinea/base/file.h"
+#include "collinea/edit/make_edits.h"
+#include "collinea/jobs/test_plot_project.h"
+#include "collinea/raster/gdal_access.h"
+
+namespace collinea {
+namespace {
+
+class PlotFeatures : public testing::PlotProjectTest {
+ protected:
+  Result<PlotReport> plot(const std::string& table, const PlotOptions& options = {}) {
+    EXPECT_TRUE(write_file(folder_ / "features.txt", table));
+    return plot_features(project(), folder_ / "features.txt", options, {});
+  }
+  // A roof by marks in two images, one in a single image, one by clicks on the map, one by coordinates.
+  [[nodiscard]] std::string four_roofs() const {
+    std::string text = "feature vertex code kind image x[px] y[px] sigma[px] E[m] N[m] H[m] sigma_m\n";
+    const auto corners = roof();
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      for (const std::uint32_t image : {1u, 2u})
+        text += fmt::format("both {} R - IMG_{}.jpg {:.6f} {:.6f} 0.3 - - - -\n", i, image,
+                            pixel(image, corners[i]).x(), pixel(image, corners[i]).y());
+      text += fmt::format("one {} R - IMG_1.jpg {:.6f} {:.6f} - - - - -\n", i, pixel(1, corners[i]).x(),
+                          pixel(1, corners[i]).y());
+      text += fmt::format("map - - polygon - - - - {:.6f} {:.6f} - 0.1\n", corners[i].x(), corners[i].y());
+      text += fmt::format("typed - - polygon - - - - {:.6f} {:.6f} {:.6f} 0.02\n", corners[i].x(), corners[i].y(),
+                          corners[i].z());
+    }
+    return text;
+  }
+};
+
+// Everything is exact but for six decimals of pixels and heights as floats: a millimetre.
+TEST_F(PlotFeatures, EachWayOfPlottingGivesTheRoof) {
+  const auto report = plot(four_roofs(), {.figures = "area both; area map; distance one.1 one.2; height_difference "
+                                                     "typed.1 both.1"});
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->crs, "EPSG:32633");
+  ASSERT_EQ(report->features.size(), 4u);
+  const VertexSource sources[] = {VertexSource::kStereo, VertexSource::kMono, VertexSource::kSurface,
+                                  VertexSource::kTyped};
+  for (std::size_t f = 0; f < 4; ++f) {
+    const PlotReport::Feature& feature = report->features[f];
+    EXPECT_EQ(feature.kind, VectorKind::kPolygon);
+    ASSERT_EQ(feature.vertices.size(), 4u);
+    for (std::size_t i = 0; i < 4; ++i) {
+      ASSERT_TRUE(feature.vertices[i].drawn) << feature.vertices[i].refused;
+      EXPECT_EQ(feature.vertices[i].drawn->source, sources[f]);
+      EXPECT_LT((feature.vertices[i].drawn->position - roof()[i]).norm(), 1e-3) << feature.id << " " << i;
+      EXPECT_TRUE(feature.vertices[i].drawn->covariance_m2) << feature.id;
+    }
+  }
+  // Lengths on the ground, not of the map: 3e-4 shorter or longer.
+  for (const int figure : {0, 1}) EXPECT_NEAR(report->figures[std::size_t(figure)].measured->value, 80, 0.1);
+  EXPECT_NEAR(report->figures[2].measured->value, 10, 0.01);
+  EXPECT_NEAR(report->figures[3].measured->value, 0, 1e-3);
+  for (const auto& figure : report->figures) EXPECT_GT(figure.measured->sigma, 1e-3);
+  EXPECT_NE(plot_text(*report).find("4 features drawn, in EPSG:32633: products/drawing.gpkg"), std::string::npos)
+      << plot_text(*report);
+}
+
+TEST_F(PlotFeatures, FilesOfTheDrawingAreReadByGdalWithTheirCrs) {
+  ASSERT_TRUE(plot(four_roofs()));
+  set_up_gdal();
+  const GdalDataset file(
+      GDALOpenEx((project() / "products" / "drawing.gpkg").c_str(), GDAL_OF_VECTOR, nullptr, nullptr, nullptr));
+  ASSERT_TRUE(file);
+  const OGRLayerH roofs = GDALDatasetGetLayerByName(file.get(), "roof_polygon");
+  ASSERT_TRUE(roofs);
+  EXPECT_EQ(std::string(OSRGetAuthorityCode(OGR_L_GetSpatialRef(roofs), nullptr)), "32633");
+  EXPECT_EQ(OGR_L_GetFeatureCount(roofs, 1), 2);
+  const OGRFeatureH feature = OGR_L_GetNextFeature(roofs);
+  EXPECT_NEAR(OGR_G_Area(OGR_F_GetGeometryRef(feature)), 80, 1e-2);
+  EXPECT_EQ(std::string(OGR_F_GetFieldAsString(feature, OGR_F_GetFieldIndex(feature, "code"))), "R");
+  EXPECT_GT(OGR_F_GetFieldAsDouble(feature, OGR_F_GetFieldIndex(feature, "sigma_h_m")), 0);
+  OGR_F_Destroy(feature);
+  EXPECT_EQ(OGR_L_GetFeatureCount(GDALDatasetGetLayerByName(file.get(), "vertices"), 1), 16);
+  const GdalDataset drawing(
+      GDALOpenEx((project() / "products" / "drawing.dxf").c_str(), GDAL_OF_VECTOR, nullptr, nullptr, nullptr));
+  ASSERT_TRUE(drawing);
+  const OGRLayerH entities = GDALDatasetGetLayer(drawing.get(), 0);
+  EXPECT_EQ(OGR_L_GetFeatureCount(entities, 1), 4);
+  const OGRFeatureH entity = OGR_L_GetNextFeature(entities);
+  EXPECT_EQ(OGR_G_GetPointCount(OGR_F_GetGeometryRef(entity)), 5);  // closed
+  EXPECT_NEAR(OGR_G_GetZ(OGR_F_GetGeometryRef(entity), 0), roof()[0].z(), 1e-3);
+  OGR_F_Destroy(entity);
+  // A drawing has no CRS of its own: it stands beside it.
+  const auto prj = read_file(project() / "products" / "drawing.prj");
+  ASSERT_TRUE(prj);
+  const OGRSpatialReferenceH srs = OSRNewSpatialReference(prj->c_str());
+  EXPECT_EQ(std::string(OSRGetAuthorityCode(srs, nullptr)), "32633");
+  OSRRelease(srs);
+}
+
+TEST_F(PlotFeatures, WhatCannotBePlottedIsStatedAndNotDrawn) {
+  const auto report = plot("feature,image,x,y\na,IMG_1.jpg,500,400\nb,IMG_1.jpg,1,1\n");
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_TRUE(report->features[0].vertices[0].drawn);
+  EXPECT_FALSE(report->features[1].vertices[0].drawn);  // beside the surface
+  EXPECT_EQ(report->features_in_force, 1u);
+  EXPECT_NE(plot_text(*report).find("feature b is not drawn: vertex 1: the ray does not meet"), std::string::npos)
+      << plot_text(*report);
+  const struct {
+    const char *table, *part;
+  } cases[] = {{"feature image x y\na IMG_7.jpg 1 1\n", "row 1: there is no image \"IMG_7.jpg\""},
+               {"feature image x y\na - 1 1\n", "row 1: it gives neither an image"},
+               {"feature image x y\na IMG_1.jpg 1 -\n", "row 1: the mark has no x, y"},
+               {"feature E N kind\na 1 1 blob\n", "\"blob\" is no kind"},
+               {"feature E N code\na 1 1 ZZ\n", "no code \"ZZ\""},
+               {"name E N\na 1 1\n", "feature"}};
+  for (const auto& [table, part] : cases) {
+    const auto refused = plot(table);
+    ASSERT_FALSE(refused) << table;
+    EXPECT_NE(refused.error().message.find(part), std::string::npos) << refused.error().message;
+  }
+}
+
+TEST_F(PlotFeatures, WithoutATableTheFilesFollowTheEdits) {
+  ASSERT_TRUE(plot(four_roofs()));
+  Journal journal(project());
+  const std::vector<Edit> undo = {Undo{}};
+  for (int i = 0; i < 6; ++i) ASSERT_TRUE(make_edits(project(), journal, undo));  // four features, two codes
+  const auto report = plot_features(project(), std::nullopt, {}, {});
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->features_in_force, 0u);
+}
+
+}  // namespace
+}  // namespace collinea
