@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The scene itself: what is drawn, from where, and what lies under the pointer.
 import {
-  Color, ColorManagement, DepthTexture, LinearSRGBColorSpace, Matrix4, Mesh, OrthographicCamera, PerspectiveCamera, PlaneGeometry, Scene, Vector3, WebGLRenderTarget,
+  BufferGeometry, Color, ColorManagement, DepthTexture, LinearSRGBColorSpace, Matrix4, Mesh, OrthographicCamera, PerspectiveCamera, PlaneGeometry, Points, Scene, Vector3, WebGLRenderTarget,
   WebGLRenderer,
 } from "three";
 
@@ -67,6 +67,8 @@ export class Stage {
   #radius = 100;
   #near = 1;
   #far = 1000;
+  #hasOrigin = false;
+  #isReady = false;
   #disposed = false;
 
   constructor(
@@ -92,9 +94,20 @@ export class Stage {
     this.#screen.frustumCulled = false;
     this.#screenScene.add(this.#screen);
     this.#scene.add(this.points.group, this.pyramids.group, this.control.group, this.drawing.group, this.draft.group);
+    void this.#compiled();
     this.#sizes = new ResizeObserver(() => this.#resize());
     this.#sizes.observe(canvas.parentElement ?? canvas);
     this.#resize();
+  }
+
+  /** Nothing is drawn before the GPU's programs are made: who draws earlier waits for them. */
+  async #compiled(): Promise<void> {
+    const sample = new Points(new BufferGeometry(), this.points.material);
+    this.#scene.add(sample);
+    await Promise.all([this.#scene, this.#screenScene].map((scene) => this.#renderer.compileAsync(scene, this.#perspective))).catch(() => {});
+    this.#scene.remove(sample);
+    this.#isReady = true;
+    this.redraw();
   }
 
   get origin(): Triple {
@@ -107,9 +120,10 @@ export class Stage {
     return this.view.isParallel ? this.#parallel : this.#perspective;
   }
 
-  /** Everything is drawn about this place of the map: coordinates of the GPU are short. Before anything is shown. */
+  /** Everything is drawn about the first place of the map that is known: coordinates of the GPU are short. */
   setOrigin(origin: Triple): void {
-    this.points.origin = origin.map(Math.round) as Triple;
+    if (!this.#hasOrigin) this.points.origin = origin.map(Math.round) as Triple;
+    this.#hasOrigin = true;
   }
 
   setBackground(colour: string): void {
@@ -176,7 +190,7 @@ export class Stage {
   }
 
   redraw(): void {
-    if (!this.#frame && !this.#disposed) this.#frame = requestAnimationFrame(() => this.#next());
+    if (!this.#frame && !this.#disposed && this.#isReady) this.#frame = requestAnimationFrame(() => this.#next());
   }
 
   /** A frame only when the one before it is drawn: commands that wait for a slow GPU would hold up the page. */
@@ -269,6 +283,7 @@ export class Stage {
   }
 
   #opened(header: CloudHeader): void {
+    this.setOrigin(header.centre);
     this.header = header;
     this.fitAll();
   }
@@ -286,7 +301,6 @@ export class Stage {
     this.#renderer.setPixelRatio(this.#pixels);
     this.#renderer.setSize(...this.#size);
     this.#target.setSize(Math.round(this.#size[0] * this.#pixels), Math.round(this.#size[1] * this.#pixels));
-    for (const overlay of [this.control, this.drawing, this.draft]) overlay.resize((0.5 * 2 * Math.tan(fieldOfView / 2)) / this.#size[1]);
     this.redraw();
   }
 
@@ -321,6 +335,9 @@ export class Stage {
   #draw(): void {
     this.#pose();
     const camera = this.#camera;
+    // Marks have their size on the screen: half a pixel for one of their pictures.
+    const half = this.view.isParallel ? this.view.halfHeight : Math.tan((this.#perspective.fov * Math.PI) / 360);
+    for (const overlay of [this.control, this.drawing, this.draft]) overlay.resize(half / this.#size[1]);
     this.points.update(camera, (node: CloudNode) => this.#pixelsOf(node.half, sum(node.centre, this.origin, -1)), this.#isMoving && this.#cost > 0 ? movingFrameMs / this.#cost : Infinity);
     if (this.pyramids.group.visible) this.pyramids.update((one) => this.#pyramidSize(one), this.hasPictures);
     [this.drawn, this.loading] = [this.points.drawn, this.points.loading];

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+import { expect, test } from "vitest";
+
+import type { CloudRegion } from "../../lib/types";
+import { type CloudHeader, type CloudNode, tree } from "./cloud_file";
+import { sigmaCode, sigmaOfCode } from "./messages";
+import { LeastRecentlyUsed, wantedNodes } from "./octree";
+import { editedClass, isInRing } from "./regions";
+import { RegionDraft } from "./region_draft.svelte";
+import { cross, dot, sum, Viewpoint } from "./viewpoint";
+
+const square: [number, number][] = [[0, 0], [4, 0], [4, 4], [0, 4]];
+const region = (action: CloudRegion["action"], more: Partial<CloudRegion> = {}): CloudRegion => ({ action, class: null, ring: square, low_m: null, high_m: null, ...more });
+
+test("neighbours share points on their side", () => {
+  const right = square.map(([e, n]): [number, number] => [e + 4, n]);
+  for (let n = 0.25; n < 4; n += 0.25) expect(isInRing(square, 4, n)).not.toBe(isInRing(right, 4, n));
+});
+
+test("edits come one after the other, and heights of their ends belong to them", () => {
+  const edits = [region("classify", { class: 6 }), region("classify", { class: 2, high_m: 1 }), region("cut", { low_m: 5, high_m: 6 })];
+  expect([0, 1, 2, 5, 6, 7].map((h) => editedClass(edits, 0, 1, 1, h))).toEqual([2, 2, 6, -1, -1, 6]);
+  expect(editedClass(edits, 3, 9, 9, 5)).toBe(3);
+  expect(editedClass([region("crop")], 3, 9, 9, 5)).toBe(-1);
+});
+
+const header = { centre: [8, 8, 8], half: 8 } as unknown as CloudHeader;
+const node = (level: number, x: number, points = 100): Omit<CloudNode, "children" | "centre" | "half"> => ({ level, position: [x, 0, 0], at: 0, bytes: 1, points });
+
+test("a node without its parent is left out, and cubes halve", () => {
+  const nodes = tree(header, [node(2, 3), node(1, 1), node(0, 0), node(2, 0)]);
+  expect(nodes.map((one) => one.level)).toEqual([0, 1, 2]);
+  expect(nodes[2]).toMatchObject({ half: 2, centre: [14, 2, 2] });
+  expect(nodes[1]?.children).toEqual([2]);
+});
+
+test("what looks largest comes first, within the budget, and not finer than is seen", () => {
+  const nodes = tree(header, [node(0, 0), node(1, 0), node(1, 1), node(2, 0)]);
+  const pixels = (one: CloudNode): number => (one.level === 1 && one.position[0] === 1 ? 900 : 1000 / 2 ** one.level);
+  expect(wantedNodes(nodes, pixels, 1e6)).toEqual([0, 2, 1, 3]);
+  expect(wantedNodes(nodes, pixels, 250)).toEqual([0, 2]);
+  expect(wantedNodes(nodes, pixels, 1e6, 5)).toEqual([0, 2, 1]);
+  expect(wantedNodes(nodes, (one) => (one.position[0] === 1 ? 0 : pixels(one)), 1e6)).toEqual([0, 1, 3]);
+});
+
+test("what was not used for longest makes room, but not what is seen", () => {
+  const used = new LeastRecentlyUsed();
+  for (const index of [1, 2, 3, 1]) used.use(index, 10);
+  expect(used.points).toBe(30);
+  expect(used.evicted(15, new Set([3]))).toEqual([2, 1]);
+  expect(used.points).toBe(10);
+});
+
+test("standard deviations are kept to a fortieth", () => {
+  for (let sigma = 2e-4; sigma < 5; sigma *= 1.37) expect(Math.abs(sigmaOfCode(sigmaCode(sigma)) / sigma - 1)).toBeLessThan(0.025);
+  expect([sigmaCode(0), sigmaCode(1e9), sigmaCode(1e-9)]).toEqual([0, 255, 1]);
+});
+
+test("a place that is zoomed about, or held, stays where it is", () => {
+  const view = new Viewpoint();
+  for (const isParallel of [false, true]) {
+    view.isParallel = isParallel;
+    view.look(0.7, 1.1);
+    const place = view.onPlane(view.ray(0.4, -0.3, 1.5));
+    view.zoom(0.5, place);
+    const { origin, direction } = view.ray(0.4, -0.3, 1.5);
+    const off = cross(sum(place, origin, -1), direction);
+    expect(Math.hypot(...off)).toBeLessThan(1e-9 * 100);
+  }
+});
+
+test("axes are square to each other, also with a roll", () => {
+  const view = new Viewpoint();
+  view.lookAlong([0.1, -0.2, -1], [0.9, 0.3, 0]);
+  const { forward, up, right } = view.axes;
+  for (const [a, b] of [[forward, up], [up, right], [right, forward]] as const) expect(Math.abs(dot(a, b))).toBeLessThan(1e-12);
+  expect(Math.hypot(...sum(cross(forward, up), right, -1))).toBeLessThan(1e-12);
+  expect(dot(up, [0.9, 0.3, 0])).toBeGreaterThan(0.9);
+});
+
+test("a region becomes the command of the journal", () => {
+  const draft = new RegionDraft();
+  for (const [e, n] of square) draft.add([e, n, 0]);
+  [draft.low, draft.class] = ["−2,5", 6];
+  expect(draft.isReady).toBe(true);
+  expect(draft.command("classify")).toEqual(["classify", "6", "-2.5", "-", "0.000", "0.000", "4.000", "0.000", "4.000", "4.000", "0.000", "4.000"]);
+  draft.high = "-3";
+  expect(draft.isReady).toBe(false);
+});
