@@ -12,6 +12,7 @@ import { sceneTests } from "./scene_tests.mjs";
 import { standIn } from "./stand_in.mjs";
 import { browserAt, makeProject, serve, startBrowser } from "./station.mjs";
 import { stereoTests } from "./stereo_tests.mjs";
+import { workTests } from "./work_tests.mjs";
 
 const [program, folder] = process.argv.slice(2).map((path) => resolve(path));
 const require = createRequire(import.meta.url);
@@ -213,6 +214,7 @@ const tests = {
   },
 
   ...drawingTests,
+  ...workTests,
   ...sceneTests,
 
   async "the language is switched and kept"({ page }) {
