@@ -102,10 +102,12 @@ export const drawingTests = {
     await page.getByText("IMG_0002.jpg").first().waitFor();
     await page.keyboard.press("v");
     await page.getByLabel("Code").selectOption("R");
-    const box = await settled(page);
-    await page.getByRole("button", { name: "Fit" }).click();
-    await page.waitForTimeout(200); // OpenLayers paints the next frame
-    const scale = Math.min((box.width - 16) / image.width, (box.height - 16) / image.height);
+    let [box, scale] = [undefined, 0];
+    do {
+      await page.getByRole("button", { name: "Fit" }).click();
+      box = await settled(page);
+      scale = Math.min((box.width - 16) / image.width, (box.height - 16) / image.height);
+    } while ((await page.locator(".readout .number").first().innerText()).trim() !== `${Math.round(100 * scale)} %`);
     const places = roof.corners.map((corner) => {
       const [x, y] = roof.pixel(image.file, corner);
       return [box.x + box.width / 2 + scale * (x - image.width / 2), box.y + box.height / 2 + scale * (y - image.height / 2)];
