@@ -65,6 +65,18 @@ def hashes(project):
     return {name: hashlib.sha256((project / "products" / name).read_bytes()).hexdigest() for name in PRODUCTS}
 
 
+def missed(project, acknowledged):
+    """How many of the edits that were acknowledged the journal does not hold."""
+    known = {}
+    for line in (project / "journal.jsonl").read_text().splitlines() if acknowledged else []:
+        try:
+            entry = json.loads(line)
+        except ValueError:
+            continue  # the last line may be broken off
+        known[entry["number"]] = entry["command"]
+    return sum(known.get(number) != list(words) for number, words in acknowledged.items())
+
+
 def main():
     program, original = sys.argv[1], pathlib.Path(sys.argv[2])
     kills = int(sys.argv[3]) if len(sys.argv) > 3 else 50
@@ -77,9 +89,7 @@ def main():
         for turn in range(kills):
             server = Server(program, project)
             starts.append(server.seconds)
-            entries = json.loads(server.ask("GET", f"/api/projects/{server.id}/edits")[1])["entries"]
-            known = {entry["number"]: entry["command"] for entry in entries}
-            missing += sum(known.get(number) != list(words) for number, words in acknowledged.items())
+            missing += missed(project, acknowledged)
             if turn % 3 == 0:
                 server.run("ortho", {"ortho": {"feather_cells": 10 + turn % 5}})
             elif turn % 3 == 1:
@@ -95,12 +105,13 @@ def main():
                 except (OSError, http.client.HTTPException):
                     break
                 if made:
-                    acknowledged[made] = words
+                    acknowledged[made] = words  # the server has answered
                 number += 1
             timer.cancel()
             server.kill()
         server = Server(program, project)
         starts.append(server.seconds)
+        missing += missed(project, acknowledged)
         while server.edit("undo"):
             pass
         server.kill()

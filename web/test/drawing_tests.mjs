@@ -28,6 +28,16 @@ function within(vertices, corners) {
   return count;
 }
 
+/** Where the view lies once its tools have come to rest. */
+async function settled(page) {
+  for (let last = ""; ; ) {
+    const box = await page.getByRole("application").boundingBox();
+    if (JSON.stringify(box) === last) return box;
+    last = JSON.stringify(box);
+    await page.waitForTimeout(300);
+  }
+}
+
 /** From places of the map to the screen, by what the readout says under the pointer. */
 async function onScreen(page) {
   const box = await page.getByRole("application").boundingBox();
@@ -92,8 +102,9 @@ export const drawingTests = {
     await page.getByText("IMG_0002.jpg").first().waitFor();
     await page.keyboard.press("v");
     await page.getByLabel("Code").selectOption("R");
+    const box = await settled(page);
     await page.getByRole("button", { name: "Fit" }).click();
-    const box = await page.getByRole("application").boundingBox();
+    await page.waitForTimeout(200); // OpenLayers paints the next frame
     const scale = Math.min((box.width - 16) / image.width, (box.height - 16) / image.height);
     const places = roof.corners.map((corner) => {
       const [x, y] = roof.pixel(image.file, corner);

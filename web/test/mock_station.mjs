@@ -29,6 +29,10 @@ function answer(world, request, path) {
     return refined ? { json: refined } : { status: 422, json: { error: "no target was found within 8 px: mark the point by hand, with its standard deviation" } };
   }
   if (what === undefined) return { json: { ...project, images: 16, cameras: 1, oriented: 15, crs: "EPSG:32633", steps: [], findings: [], files: [] } };
+  if (what === "control" && rest[0] === "now") return { json: world.control() };
+  if (what === "control" && rest[0] === "next") return { json: { next: null } };
+  if (what === "work") return { json: { masks: [], patches: [] } };
+  if (what === "drawing") return { json: { layers: [], codes: [], features: [] } };
   if (what === "control" && rest.length) {
     if (!world.isOriented) return { status: 422, json: { error: "the images are not oriented yet: bring the project to the step orient first" } };
     const places = world.places(rest[0]);

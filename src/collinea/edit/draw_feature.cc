@@ -4,7 +4,6 @@
 #include <Eigen/Eigenvalues>
 #include <charconv>
 
-#include "collinea/edit/edit.h"
 #include "collinea/edit/edited_work.h"
 #include "collinea/edit/internal/words_in.h"
 #include "collinea/io/text.h"

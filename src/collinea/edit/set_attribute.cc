@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "collinea/edit/edit.h"
 #include "collinea/edit/edited_work.h"
 #include "collinea/edit/internal/words_in.h"
 

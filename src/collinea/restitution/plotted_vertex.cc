@@ -76,14 +76,16 @@ Result<double> step_under(const SurfaceRay& ray, double t, double along, const P
   return step;
 }
 
-Result<double> step_at(const Vector2d& on_map, double height_m, const PlottingSurface& surface) {
+// The same straight down, in the cell there.
+Result<double> step_at(const Vector2d& on_map, const PlottingSurface& surface) {
   const MapGrid& grid = surface.heights.grid;
   const int column = std::clamp(int(std::floor(grid.column_of(on_map.x()))), 0, grid.width - 1),
             row = std::clamp(int(std::floor(grid.row_of(on_map.y()))), 0, grid.height - 1);
+  COLLINEA_TRY(const FloatImage here, surface.heights.read(column, row, 1, 1));
   double step = 0;
   for (const bool outwards : {true, false}) {
-    COLLINEA_TRY(const FloatImage cell, moved_edges(surface.heights, outwards).read(column, row, 1, 1));
-    if (std::isfinite(cell.at(0, 0))) step = std::max(step, std::abs(double(cell.at(0, 0)) - height_m));
+    COLLINEA_TRY(const FloatImage moved, moved_edges(surface.heights, outwards).read(column, row, 1, 1));
+    if (std::isfinite(moved.at(0, 0))) step = std::max(step, std::abs(double(moved.at(0, 0)) - here.at(0, 0)));
   }
   return step;
 }
@@ -228,7 +230,7 @@ Result<PlottedVertex> VertexPlotter::plot_one(const VertexOnSurface& asked) {
   // An error in plan is one of the height as well, where the surface slopes.
   const double cell = surface_->heights.grid.cell_m, plan = asked.sigma_m.value_or(cell / 2);
   Matrix3d on_map = Matrix3d::Zero();
-  COLLINEA_TRY(const double step, step_at(asked.on_map, height.height_m, *surface_));
+  COLLINEA_TRY(const double step, step_at(asked.on_map, *surface_));
   on_map(2, 2) = squared_sigma(height.sigma_relative_m, step);
   for (int axis = 0; axis < 2; ++axis) {
     const Vector2d aside = cell * Vector2d::Unit(axis);
