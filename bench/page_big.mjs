@@ -80,11 +80,11 @@ async function cloud() {
   await view(page, "Scene").waitFor();
   await page.waitForTimeout(1000);
   const since = await clickAt(page, "Scene");
-  const first = await until(page, since, () => /^\s*[1-9][\d,]* of/.test(document.querySelector(".scene .state")?.textContent ?? ""));
+  const first = await until(page, since, () => /^\s*[1-9][\d,]* of/.test(document.querySelector(".scene .readout .state")?.textContent ?? ""));
   const bytes = fetched.get("cloud.copc.laz");
   console.log(`cloud: first points after ${(first / 1000).toFixed(2)} s, ${(bytes / 1e6).toFixed(1)} MB of it fetched by then`);
-  const all = await until(page, since, () => /points\s*$/.test(document.querySelector(".scene .state")?.textContent ?? ""));
-  console.log(`cloud: all points of the view after ${(all / 1000).toFixed(1)} s: ${await page.locator(".scene .state").innerText()}`);
+  const all = await until(page, since, () => /points\s*$/.test(document.querySelector(".scene .readout .state")?.textContent ?? ""));
+  console.log(`cloud: all points of the view after ${(all / 1000).toFixed(1)} s: ${await page.locator(".scene .readout .state").innerText()}`);
   const box = await page.getByRole("application").boundingBox();
   const middle = [box.x + box.width / 2, box.y + box.height / 2];
   await page.mouse.move(...middle);

@@ -114,6 +114,8 @@ export class Chart {
 
   /** Asks for everything and shows it. */
   async show(target: HTMLElement): Promise<void> {
+    const ortho = rasterPaths.ortho ?? "";
+    if (this.#has(ortho) && this.#kept.visible.ortho !== false) this.#raster(ortho).catch(() => {}); // its head comes meanwhile
     void this.loadPatches();
     const [info, images, control] = await Promise.all([
       this.#offered("map", () => api.map(this.#project.id)),
