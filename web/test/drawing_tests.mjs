@@ -102,15 +102,20 @@ export const drawingTests = {
     await page.getByText("IMG_0002.jpg").first().waitFor();
     await page.keyboard.press("v");
     await page.getByLabel("Code").selectOption("R");
-    let [box, scale] = [undefined, 0];
-    do {
-      await page.getByRole("button", { name: "Fit" }).click();
-      box = await settled(page);
-      scale = Math.min((box.width - 16) / image.width, (box.height - 16) / image.height);
-    } while ((await page.locator(".readout .number").first().innerText()).trim() !== `${Math.round(100 * scale)} %`);
+    await page.getByRole("button", { name: "Fit" }).click();
+    const box = await settled(page);
+    const under = async (x, y) => {
+      await page.mouse.move(x - 1, y);
+      await page.mouse.move(x, y);
+      await page.waitForTimeout(400);
+      return [...(await page.locator(".readout").first().innerText()).matchAll(/[xy]\s+(-?\d+\.\d+)/g)].map((found) => Number(found[1]));
+    };
+    const [left, top, right, bottom] = [box.x + 0.3 * box.width, box.y + 0.35 * box.height, box.x + 0.7 * box.width, box.y + 0.65 * box.height];
+    const [[x0, y0], [x1, y1]] = [await under(left, top), await under(right, bottom)];
+    const scale = (right - left) / (x1 - x0);
     const places = roof.corners.map((corner) => {
       const [x, y] = roof.pixel(image.file, corner);
-      return [box.x + box.width / 2 + scale * (x - image.width / 2), box.y + box.height / 2 + scale * (y - image.height / 2)];
+      return [left + scale * (x - x0), top + ((bottom - top) / (y1 - y0)) * (y - y0)];
     });
     await clickAll(page, places, 1);
     const [drawn] = (await get(`drawing?image=${image.id}`)).features;
