@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "collinea/block/block.h"
+#include "collinea/geometry/polygon.h"
 
 namespace collinea {
 
@@ -22,11 +23,7 @@ class MaskRings {
   [[nodiscard]] std::string text() const;
 
  private:
-  struct Ring {
-    std::vector<Eigen::Vector2d> points;
-    Eigen::Vector2d lowest, highest;
-  };
-  std::vector<Ring> rings_;
+  std::vector<BoundedRing> rings_;
 };
 
 /// What of the images of a block is left out by all work: a moving car, water, the leg of the aircraft.

@@ -10,6 +10,7 @@
 
 #include "collinea/base/words.h"
 #include "collinea/cloud/internal/cloud_point.h"
+#include "collinea/geometry/polygon.h"
 
 namespace collinea {
 
@@ -29,7 +30,12 @@ struct CloudRegion {
   std::vector<Eigen::Vector2d> ring_m;  ///< closed by itself, in the map
   std::optional<double> low_m, high_m;  ///< nothing: without end
 
-  [[nodiscard]] bool contains(const Eigen::Vector3d& position) const;
+  [[nodiscard]] bool spans(double height_m) const {
+    return !(low_m && height_m < *low_m) && !(high_m && height_m > *high_m);
+  }
+  [[nodiscard]] bool contains(const Eigen::Vector3d& position) const {
+    return spans(position.z()) && is_inside(ring_m, position.head<2>());
+  }
 };
 
 /// Edits of a cloud, one after the other: a point that one removes is gone for all behind it. The order of the points
@@ -41,12 +47,9 @@ class CloudEdits {
   void apply(std::vector<CloudPoint>& points) const;
 
  private:
-  struct Bounds {
-    Eigen::Vector2d lowest, highest;
-  };
   [[nodiscard]] bool keeps(CloudPoint& point) const;
   std::vector<CloudRegion> regions_;
-  std::vector<Bounds> bounds_;  // of the rings
+  std::vector<BoundedRing> rings_;  // of the regions
 };
 
 }  // namespace collinea

@@ -2,7 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <optional>
+#include <span>
+#include <utility>
+#include <vector>
 
 namespace collinea {
 
@@ -12,5 +16,34 @@ namespace collinea {
   if ((a.y() > y) == (b.y() > y)) return std::nullopt;
   return a.x() + (y - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
 }
+
+/// Whether a position lies inside a ring, closed by itself: behind an odd number of sides.
+[[nodiscard]] inline bool is_inside(std::span<const Eigen::Vector2d> ring, const Eigen::Vector2d& position) {
+  bool inside = false;
+  for (std::size_t i = 0; i < ring.size(); ++i)
+    if (const auto x = crossing(ring[i], ring[i + 1 < ring.size() ? i + 1 : 0], position.y()); x && *x <= position.x())
+      inside = !inside;
+  return inside;
+}
+
+/// A ring with its bounds, so that most positions are told to lie outside at once.
+class BoundedRing {
+ public:
+  explicit BoundedRing(std::vector<Eigen::Vector2d> points) : points_(std::move(points)) {
+    for (const Eigen::Vector2d& point : points_) {
+      lowest_ = lowest_.cwiseMin(point);
+      highest_ = highest_.cwiseMax(point);
+    }
+  }
+  [[nodiscard]] const std::vector<Eigen::Vector2d>& points() const { return points_; }
+  [[nodiscard]] bool contains(const Eigen::Vector2d& position) const {
+    return (position.array() >= lowest_.array()).all() && (position.array() <= highest_.array()).all() &&
+           is_inside(points_, position);
+  }
+
+ private:
+  std::vector<Eigen::Vector2d> points_;
+  Eigen::Vector2d lowest_ = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity()), highest_ = -lowest_;
+};
 
 }  // namespace collinea

@@ -3,19 +3,9 @@
 
 #include <cmath>
 
-#include "collinea/geometry/polygon.h"
 #include "collinea/io/text.h"
 
 namespace collinea {
-
-bool contains(const MapArea& area, const Eigen::Vector2d& position) {
-  bool in = false;
-  for (std::size_t i = 0; i < area.size(); ++i) {
-    const auto border = crossing(area[i], area[(i + 1) % area.size()], position.y());
-    if (border && position.x() < *border) in = !in;
-  }
-  return in;
-}
 
 double size_m2(const MapArea& area) {
   double twice = 0;

@@ -12,7 +12,6 @@ namespace collinea {
 /// A simple polygon on the map, east and north [m], closed from the last to the first corner.
 using MapArea = std::vector<Eigen::Vector2d>;
 
-[[nodiscard]] bool contains(const MapArea& area, const Eigen::Vector2d& position);
 [[nodiscard]] double size_m2(const MapArea& area);
 
 /// Reads positions: easting and northing a line, between commas or blanks; # starts a comment, a line without numbers

@@ -17,6 +17,7 @@
 #include "collinea/io/opk.h"
 #include "collinea/io/patb.h"
 #include "collinea/io/text.h"
+#include "collinea/jobs/marking_project.h"
 #include "collinea/radiometry/tie_point_colours.h"
 #include "collinea/raster/image_file.h"
 #include "collinea/report/finding_words.h"
@@ -160,8 +161,8 @@ std::map<ImageId, PoseCovariance> covariances_of_poses(const Project& project) {
   const auto covariances = project.store.read_covariances();
   const auto adjusted = project.store.read_outcome<AdjustmentRecord>();
   if (!covariances || !adjusted) return scaled;
-  const double sigma0 = adjusted->redundancy > 0 && adjusted->sigma0 > 1e-9 ? adjusted->sigma0 : 1;
-  for (const auto& [image, covariance] : covariances->poses) scaled[image] = sigma0 * sigma0 * covariance;
+  const double scale = sigma_scale(std::optional(*adjusted));
+  for (const auto& [image, covariance] : covariances->poses) scaled[image] = scale * scale * covariance;
   return scaled;
 }
 

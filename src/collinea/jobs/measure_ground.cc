@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/jobs/measure_ground.h"
 
-#include "collinea/block/world_frame.h"
+#include "collinea/jobs/marking_project.h"
 #include "collinea/raster/image_window.h"
 #include "collinea/restitution/plotted_vertex.h"
 #include "collinea/restitution/stereo_view.h"
@@ -34,26 +34,20 @@ Result<GroundReport> measure_ground(const Project& project, const Eigen::Vector2
                                     const GroundOptions& options) {
   if (options.match.window_px % 2 == 0)
     return fail(Errc::kBadInput, "the side of the window is odd", {"window_px"_option});
-  COLLINEA_TRY(const Block block, project.store.read_block());
-  COLLINEA_TRY(const BlockCovariances covariances, project.store.read_covariances());
-  const auto adjustment = project.store.read_outcome<AdjustmentRecord>();
-  if (!adjustment && adjustment.error().code != Errc::kNotFound) return tl::unexpected(adjustment.error());
-  const double sigma0 = adjustment && adjustment->sigma0 > 1e-9 ? adjustment->sigma0 : 1;
-  COLLINEA_TRY(const auto frame, world_frame(block));
-  const LocalFrame* const on_earth = frame ? &*frame : nullptr;
-  const auto observations = observations_by_image(block);
-  const MarkingBlock marking{block, observations, covariances.poses, sigma0};
+  COLLINEA_TRY(const MarkingProject oriented, MarkingProject::read(project));
+  const Block& block = oriented.block;
+  const MarkingBlock marking = oriented.marking();
   const auto field = open_height_field(project.folder / "products" / "dsm.tif");
   COLLINEA_TRY(const auto images, images_named(block, options.images));
-  COLLINEA_TRY(const StereoView scene,
-               stereo_view(marking, on_earth, field ? heights_about(*field) : MapHeight(), {on_map, images}));
+  COLLINEA_TRY(const StereoView scene, stereo_view(marking, oriented.frame_or_null(),
+                                                   field ? heights_about(*field) : MapHeight(), {on_map, images}));
   const PhotoWindow photo = [&](ImageId image, const PixelWindow& window) {
     const Camera& camera = block.camera_of(image);
     return read_grey_window(project.image_file(block.images.at(image)), camera.width_px, camera.height_px, window);
   };
   COLLINEA_TRY(const GroundMatch match, match_ground(block, scene.model, scene.mark, photo, options.match));
   GroundReport report{.files = files_of(block, scene.shown), .pair = scene.shown, .match = match};
-  VertexPlotter plotter(marking, on_earth, nullptr);
+  VertexPlotter plotter(marking, oriented.frame_or_null(), nullptr);
   const double sigma_px = match.mark_sigma_px();
   COLLINEA_TRY(const PlottedVertex vertex,
                plotter.plot(MarkedVertex{

@@ -8,13 +8,13 @@
 #include <map>
 
 #include "collinea/base/file.h"
-#include "collinea/block/world_frame.h"
 #include "collinea/edit/make_edits.h"
 #include "collinea/edit/read_work.h"
 #include "collinea/io/code_list.h"
 #include "collinea/jobs/drawing_files.h"
 #include "collinea/jobs/internal/asked_figures.h"
 #include "collinea/jobs/internal/feature_table.h"
+#include "collinea/jobs/marking_project.h"
 #include "collinea/project/project.h"
 #include "collinea/restitution/drawn_vertex.h"
 
@@ -25,31 +25,19 @@ namespace fs = std::filesystem;
 
 /// What vertices of a project are plotted in.
 struct Plotting {
-  Block block;
-  BlockCovariances covariances;
-  std::map<ImageId, std::vector<std::size_t>> observations;
-  std::optional<LocalFrame> frame;
+  MarkingProject oriented;
   std::optional<PlottingSurface> surface;
-  double sigma0 = 1;
 
   static Result<Plotting> of(const Project& project) {
     Plotting all;
-    COLLINEA_TRY(all.block, project.store.read_block());
-    if (count_oriented(all.block) == 0)
-      return fail(Errc::kIllPosed, "the images are not oriented yet: bring the project to the step orient first");
-    COLLINEA_TRY(all.covariances, project.store.read_covariances());
-    all.observations = observations_by_image(all.block);
-    COLLINEA_TRY(all.frame, world_frame(all.block));
-    const auto adjustment = project.store.read_outcome<AdjustmentRecord>();
-    if (!adjustment && adjustment.error().code != Errc::kNotFound) return tl::unexpected(adjustment.error());
-    if (adjustment && adjustment->sigma0 > 1e-9) all.sigma0 = adjustment->sigma0;
+    COLLINEA_TRY(all.oriented, MarkingProject::read(project));
     if (const fs::path dsm = project.folder / "products" / "dsm.tif"; is_there(dsm)) {
       COLLINEA_TRY(all.surface, PlottingSurface::open(dsm));
     }
     return all;
   }
   [[nodiscard]] VertexPlotter plotter() {
-    return {{block, observations, covariances.poses, sigma0}, frame ? &*frame : nullptr, surface ? &*surface : nullptr};
+    return {oriented.marking(), oriented.frame_or_null(), surface ? &*surface : nullptr};
   }
 };
 
@@ -157,11 +145,9 @@ Result<PlotReport> plot_features(const fs::path& folder, const std::optional<fs:
   }
   if (table) {
     COLLINEA_TRY(const TextTable text, read_text_table(*table));
-    COLLINEA_TRY(const auto asked,
-                 features_in(text, plotting->block, codes, options.sigma_px, options.layer).map_error([&](Error e) {
-                   return std::move(e).within(table->string());
-                 }));
-    for (const AskedFeature& feature : asked) plot_feature(feature, *plotter, plotting->block, report, all);
+    COLLINEA_TRY(const auto asked, features_in(text, plotting->oriented.block, codes, options.sigma_px, options.layer)
+                                       .map_error([&](Error e) { return std::move(e).within(table->string()); }));
+    for (const AskedFeature& feature : asked) plot_feature(feature, *plotter, plotting->oriented.block, report, all);
     Journal journal(folder);
     if (!all.edits.empty()) {
       COLLINEA_TRY([[maybe_unused]] const EditsMade made, make_edits(folder, journal, all.edits));
@@ -169,7 +155,7 @@ Result<PlotReport> plot_features(const fs::path& folder, const std::optional<fs:
   }
   COLLINEA_TRY(const EditedWork work, read_work(project));
   if (!report.figures.empty()) {
-    COLLINEA_TRY(add_drawn(work.drawing, *plotter, plotting->block, all.vertices));
+    COLLINEA_TRY(add_drawn(work.drawing, *plotter, plotting->oriented.block, all.vertices));
     COLLINEA_TRY(measure(report.figures, *plotter, all.vertices));
   }
   report.features_in_force = work.drawing.features.size();

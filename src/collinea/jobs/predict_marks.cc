@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "collinea/jobs/marking_project.h"
 #include "collinea/raster/image_file.h"
 #include "collinea/raster/image_window.h"
 
@@ -14,18 +15,12 @@ Result<MarksReport> predict_marks(const Project& project, const std::string& poi
                                   [&](const auto& entry) { return entry.second.name == point; });
   if (named == setup.control.end()) return fail(Errc::kNotFound, "there is no control point \"" + point + "\"");
   MarksReport report{.point = named->second};
-  COLLINEA_TRY(report.block, project.store.read_block());
-  if (count_oriented(report.block) == 0)
-    return fail(Errc::kIllPosed, "the images are not oriented yet: bring the project to the step orient first");
-  COLLINEA_TRY(const BlockCovariances covariances, project.store.read_covariances());
-  const auto adjustment = project.store.read_outcome<AdjustmentRecord>();
-  if (!adjustment && adjustment.error().code != Errc::kNotFound) return tl::unexpected(adjustment.error());
-  const double sigma0 = adjustment && adjustment->sigma0 > 1e-9 ? adjustment->sigma0 : 1;
+  COLLINEA_TRY(MarkingProject oriented, MarkingProject::read(project));
   std::vector<ControlObservation> marks;
   for (const ControlObservation& mark : setup.control_observations)
-    if (mark.point == named->first && report.block.images.contains(mark.image)) marks.push_back(mark);
-  const auto observations = observations_by_image(report.block);
-  report.marks = predicted_marks({report.block, observations, covariances.poses, sigma0}, report.point, marks);
+    if (mark.point == named->first && oriented.block.images.contains(mark.image)) marks.push_back(mark);
+  report.marks = predicted_marks(oriented.marking(), report.point, marks);
+  report.block = std::move(oriented.block);
   return report;
 }
 

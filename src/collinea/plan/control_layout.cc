@@ -36,7 +36,7 @@ Vector2d drawn_into(const MapArea& area, const Vector2d& corner, const Vector2d&
   constexpr int kSteps = 200;
   for (int i = 0; i < kSteps; ++i) {
     const Vector2d position = corner + (middle - corner) * (double(i) / kSteps);
-    if (contains(area, position)) return position;
+    if (is_inside(area, position)) return position;
   }
   return middle;
 }
@@ -49,7 +49,7 @@ std::vector<Vector2d> grid_of(const Frame& frame, const MapArea& area, int wante
   std::vector<Vector2d> positions;
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column)
-      if (const Vector2d position = frame.position(share(column, columns), share(row, rows)); contains(area, position))
+      if (const Vector2d position = frame.position(share(column, columns), share(row, rows)); is_inside(area, position))
         positions.push_back(position);
   return positions;
 }

@@ -137,7 +137,7 @@ TEST(ControlLayout, WordsGiveTheirPoints) {
   layout.control_points = 6;
   EXPECT_EQ(count("grid"), 6u);
   const auto points = lay_out(layout, plan).value();
-  for (const PlannedPoint& point : points) EXPECT_TRUE(contains(plan.area, point.position));
+  for (const PlannedPoint& point : points) EXPECT_TRUE(is_inside(plan.area, point.position));
   layout.control = "everywhere";
   EXPECT_NE(lay_out(layout, plan).error().message.find("everywhere"), std::string::npos);
 }
@@ -149,7 +149,7 @@ TEST(ControlLayout, CornersOfASlantedSiteLieInIt) {
   LayoutOptions layout;
   layout.control = "corners";
   const auto points = lay_out(layout, plan).value();
-  for (const PlannedPoint& point : points) EXPECT_TRUE(contains(plan.area, point.position));
+  for (const PlannedPoint& point : points) EXPECT_TRUE(is_inside(plan.area, point.position));
 }
 
 // The sigmas are those that the adjustment of the block with its errors gives: the design hardly changes with these,
@@ -277,7 +277,7 @@ TEST(Precision, OneMorePointGainsWhereItIsPlacedBest) {
   ASSERT_TRUE(one && best && best->position);
   EXPECT_LT(one->area.rms_m.norm(), now.area.rms_m.norm());
   EXPECT_LE(best->area.rms_m.norm(), one->area.rms_m.norm());
-  EXPECT_TRUE(contains(survey.plan.area, *best->position));
+  EXPECT_TRUE(is_inside(survey.plan.area, *best->position));
 }
 
 TEST(Precision, ABlockWithoutControlSaysThatItHasNoDatum) {

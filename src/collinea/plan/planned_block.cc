@@ -162,7 +162,7 @@ void add_cells(const MapArea& area, const MeasurementOptions& o, const Ground& g
   auto next = static_cast<std::uint32_t>(planned.block.control.size());
   for (std::size_t cell = 0; cell < planned.grid.size(); ++cell) {
     const Vector2d position = planned.grid.centre(cell);
-    if (!contains(area, position)) continue;
+    if (!is_inside(area, position)) continue;
     const ControlId id{next++};
     add_surveyed({"cell", ControlRole::kCheck, position, not_surveyed}, id, ground, viewers, o.control_sigma_px,
                  planned);

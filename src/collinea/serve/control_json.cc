@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "collinea/geodesy/proj_text.h"
+#include "collinea/jobs/marking_project.h"
 #include "collinea/marking/image_footprint.h"
 #include "collinea/raster/image_tiles.h"
 #include "collinea/report/json_values.h"
@@ -29,12 +30,6 @@ json rounded(const Vector3d& v, int digits) {
   return {rounded(v.x(), digits), rounded(v.y(), digits), rounded(v.z(), digits)};
 }
 json rounded(const Vector2d& v, int digits) { return {rounded(v.x(), digits), rounded(v.y(), digits)}; }
-
-// By which square roots of covariances become standard deviations.
-double scale_of(const ProjectView& view) {
-  return view.adjustment && view.adjustment->redundancy > 0 && view.adjustment->sigma0 > 1e-9 ? view.adjustment->sigma0
-                                                                                              : 1;
-}
 
 std::optional<Vector3d> position_of(const ProjectView& view, ImageId id) {
   if (const auto pose = find_pose(view.block, id)) return centre_of(*pose);
@@ -162,7 +157,7 @@ Result<std::string> residuals_json(const ProjectView& view, ImageId image) {
 Result<std::string> ties_json(const ProjectView& view, std::size_t most) {
   COLLINEA_TRY(const auto ties, view.ties());
   const std::size_t count = ties->block.points.size(), taken = std::min({count, most, kMostTies});
-  const double scale = scale_of(view);
+  const double scale = sigma_scale(view.adjustment);
   json points = json::array();
   std::size_t index = 0, next = 0;
   for (const auto& [id, point] : ties->block.points) {

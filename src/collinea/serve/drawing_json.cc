@@ -85,9 +85,7 @@ Result<std::unique_ptr<Plotting>> plotting_of(const ProjectView& view) {
     COLLINEA_TRY(const HeightSpan span, view.span_of_surface(dsm));
     COLLINEA_TRY(all->surface, PlottingSurface::open(dsm, span));
   }
-  const double sigma0 = view.adjustment && view.adjustment->sigma0 > 1e-9 ? view.adjustment->sigma0 : 1;
-  all->plotter.emplace(MarkingBlock{all->ties->block, all->ties->observations, all->ties->covariances.poses, sigma0},
-                       view.frame ? &*view.frame : nullptr, all->surface ? &*all->surface : nullptr);
+  all->plotter.emplace(view.marking(*all->ties), view.frame_or_null(), all->surface ? &*all->surface : nullptr);
   return all;
 }
 

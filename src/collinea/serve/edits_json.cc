@@ -7,6 +7,7 @@
 
 #include "collinea/base/file.h"
 #include "collinea/cloud/las.h"
+#include "collinea/serve/internal/bounded_json.h"
 
 namespace collinea {
 namespace {
@@ -14,12 +15,6 @@ namespace {
 using json = nlohmann::ordered_json;
 
 json line_or_null(const EditEntry* entry) { return entry ? json(line_of(words_of(entry->edit))) : json(nullptr); }
-
-bool bounded_depth(int depth, json::parse_event_t, json&) {
-  constexpr int kDeepest = 3;
-  if (depth > kDeepest) throw std::invalid_argument("it is nested too deep");
-  return true;
-}
 
 }  // namespace
 
@@ -65,7 +60,7 @@ std::string cloud_json(const std::filesystem::path& project, std::span<const Clo
 
 Result<Edit> edit_in(std::string_view body) {
   try {
-    const json asked = json::parse(body, bounded_depth);
+    const json asked = bounded_json(body);
     return parse_edit(asked.at("command").get<std::vector<std::string>>());
   } catch (const std::exception& error) {
     return fail(Errc::kBadInput, error.what());

@@ -11,6 +11,7 @@
 #include "collinea/marking/predicted_marks.h"
 #include "collinea/report/json_values.h"
 #include "collinea/serve/control_json.h"
+#include "collinea/serve/internal/bounded_json.h"
 
 namespace collinea {
 namespace {
@@ -108,10 +109,7 @@ struct RefineRequest {
 
 Result<RefineRequest> refine_request_in(std::string_view body) {
   try {
-    const json asked = json::parse(body, [](int depth, json::parse_event_t, json&) {
-      if (depth > 4) throw std::invalid_argument("it is nested too deep");
-      return true;
-    });
+    const json asked = bounded_json(body);
     RefineRequest request{ImageId{asked.at("image").get<std::uint32_t>()},
                           {asked.at("pixel").at(0).get<double>(), asked.at("pixel").at(1).get<double>()},
                           {}};
@@ -127,10 +125,6 @@ Result<RefineRequest> refine_request_in(std::string_view body) {
   }
 }
 
-double sigma0_of(const ProjectView& view) {
-  return view.adjustment && view.adjustment->sigma0 > 1e-9 ? view.adjustment->sigma0 : 1;
-}
-
 }  // namespace
 
 Result<std::string> predicted_marks_json(const ProjectView& view, const std::string& name) {
@@ -142,9 +136,7 @@ Result<std::string> predicted_marks_json(const ProjectView& view, const std::str
   std::vector<ControlObservation> marks;
   for (const ControlObservation& mark : view.marks)
     if (mark.point == id && view.block.images.contains(mark.image)) marks.push_back(mark);
-  const double sigma0 = sigma0_of(view);
-  const PredictedMarks found =
-      predicted_marks({ties->block, ties->observations, ties->covariances.poses, sigma0}, given, marks);
+  const PredictedMarks found = predicted_marks(view.marking(*ties), given, marks);
   json list = json::array(), contradicting = json::array();
   for (const ImageId image : found.contradicting) contradicting.push_back(image.value);
   for (const PredictedMark& one : found.predicted)
@@ -164,7 +156,7 @@ Result<std::string> predicted_marks_json(const ProjectView& view, const std::str
 namespace {
 
 // Of each point the best place that is not marked yet.
-std::vector<PossibleMark> possible_marks(const ProjectView& view, const TiedBlock& ties, double sigma0) {
+std::vector<PossibleMark> possible_marks(const ProjectView& view, const TiedBlock& ties) {
   constexpr double kSigmaPx = 0.5;  // of a mark by hand
   std::map<ControlId, std::vector<ControlObservation>> marks;
   for (const ControlObservation& mark : view.marks)
@@ -172,8 +164,7 @@ std::vector<PossibleMark> possible_marks(const ProjectView& view, const TiedBloc
   std::vector<PossibleMark> possible;
   std::size_t number = 0;
   for (const auto& [id, point] : view.control) {
-    const PredictedMarks found =
-        predicted_marks({ties.block, ties.observations, ties.covariances.poses, sigma0}, point, marks[id]);
+    const PredictedMarks found = predicted_marks(view.marking(ties), point, marks[id]);
     const auto best = std::ranges::find(found.predicted, false, &PredictedMark::marked);
     if (best != found.predicted.end()) possible.push_back({number, {best->image, best->pixel, kSigmaPx}});
     ++number;
@@ -187,7 +178,7 @@ Result<std::string> next_mark_json(const ProjectView& view) {
   if (count_oriented(view.block) == 0)
     return fail(Errc::kIllPosed, "the images are not oriented yet: bring the project to the step orient first");
   COLLINEA_TRY(const auto ties, view.ties());
-  const auto possible = possible_marks(view, *ties, sigma0_of(view));
+  const auto possible = possible_marks(view, *ties);
   COLLINEA_TRY(const auto next, view.next_mark(possible));
   if (!next) return text_of({{"next", nullptr}});
   const BlockMark& mark = next->mark.mark;

@@ -10,6 +10,7 @@
 #include "collinea/report/json_values.h"
 #include "collinea/report/step_figures.h"
 #include "collinea/report/step_words.h"
+#include "collinea/serve/internal/bounded_json.h"
 #include "collinea/steps/flow.h"
 
 namespace collinea {
@@ -48,13 +49,6 @@ Result<ProjectInfo> info_of(const std::filesystem::path& folder) {
   if (store) return project_info(*store);
   if (store.error().code == Errc::kNotFound) return ProjectInfo{};
   return tl::unexpected(store.error());
-}
-
-// Writing JSON as text calls itself for every level.
-bool bounded_depth(int depth, json::parse_event_t, json&) {
-  constexpr int kDeepest = 8;
-  if (depth > kDeepest) throw std::invalid_argument("it is nested too deep");
-  return true;
 }
 
 json status_json(const JobStatus& status) {
@@ -117,7 +111,7 @@ std::string job_json(std::uint64_t id) { return text_of({{"job", id}}); }
 
 Result<JobRequest> job_request_in(std::string_view body) {
   try {
-    const json asked = json::parse(body, bounded_depth);
+    const json asked = bounded_json(body);
     JobRequest request;
     COLLINEA_TRY(request.step, step_named(asked.at("step").get<std::string>()));
     if (asked.contains("options")) request.options = text_of(asked.at("options"));

@@ -8,6 +8,7 @@
 #include "collinea/base/hash.h"
 #include "collinea/block/world_frame.h"
 #include "collinea/edit/read_work.h"
+#include "collinea/jobs/marking_project.h"
 #include "collinea/project/project.h"
 #include "collinea/report/adjustment_report.h"
 #include "collinea/steps/step_list.h"
@@ -113,6 +114,10 @@ void ProjectView::read_tests() {
     }
     if (tests.residual_px.allFinite()) tests_.emplace(std::pair(mark.point, mark.image), tests);
   }
+}
+
+MarkingBlock ProjectView::marking(const TiedBlock& ties) const {
+  return {ties.block, ties.observations, ties.covariances.poses, sigma_scale(adjustment)};
 }
 
 std::optional<MarkTests> ProjectView::tests_of(const ControlObservation& mark) const {

@@ -16,6 +16,7 @@
 #include "collinea/block/block.h"
 #include "collinea/edit/edited_work.h"
 #include "collinea/geodesy/local_frame.h"
+#include "collinea/marking/marking_block.h"
 #include "collinea/raster/tile_cache.h"
 #include "collinea/serve/held_block.h"
 #include "collinea/serve/project_files.h"
@@ -46,6 +47,9 @@ class ProjectView {
 
   /// Errors: those of ProjectStore::read_block().
   [[nodiscard]] Result<std::shared_ptr<const TiedBlock>> ties() const { return held_->ties(); }
+  /// What points are marked and plotted in; refers to the block with its ties.
+  [[nodiscard]] MarkingBlock marking(const TiedBlock& ties) const;
+  [[nodiscard]] const LocalFrame* frame_or_null() const { return frame ? &*frame : nullptr; }
   /// All control points with their marks, as they are now, adjusted with the whole block; parallel to `control`.
   /// Errors: those of HeldBlock.
   [[nodiscard]] Result<AdjustedMarks> adjusted_with_marks() const { return held_->adjusted_with(control, marks); }

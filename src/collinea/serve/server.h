@@ -16,7 +16,7 @@ struct ServerLimits {
   int connections = 64;  ///< at once; further ones are closed
   int header_bytes = 16 * 1024;
   int body_bytes = 512 * 1024;  ///< an outline of thousands of points is drawn in one edit
-  int idle_s = 30;  ///< until a request has come whole, and for each 256 KiB of an answer to go
+  int idle_s = 30;              ///< until a request has come whole, and for each 256 KiB of an answer to go
 };
 
 /// Where a server listens.

@@ -70,7 +70,9 @@ TEST_F(ServerTest, ThePageIsHereAndGuarded) {
   EXPECT_EQ(page.header("Cache-Control"), "no-cache");
   EXPECT_EQ(page.body.find("http"), std::string::npos);  // nothing comes from elsewhere
   EXPECT_EQ(page.header("X-Content-Type-Options"), "nosniff");
-  EXPECT_NE(page.header("Content-Security-Policy").find("default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self';"), std::string::npos);
+  EXPECT_NE(page.header("Content-Security-Policy")
+                .find("default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self';"),
+            std::string::npos);
   EXPECT_EQ(post("/", "{}").status, 405);
   EXPECT_NE(fetch(project() + "/files/report/report.html").header("Content-Security-Policy").find("sandbox;"),
             std::string::npos);

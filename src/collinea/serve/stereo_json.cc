@@ -9,6 +9,7 @@
 #include "collinea/report/json_values.h"
 #include "collinea/restitution/ground_match.h"
 #include "collinea/restitution/plotted_vertex.h"
+#include "collinea/serve/internal/bounded_json.h"
 #include "collinea/surface/height_field.h"
 
 namespace collinea {
@@ -23,13 +24,6 @@ std::string text_of(const json& value) { return value.dump(-1, ' ', false, json:
 
 json of_mark(const StereoMark& mark) { return {number(mark.x), number(mark.y), number(mark.parallax)}; }
 json pair(const Vector2d& v) { return {number(v.x()), number(v.y())}; }
-
-MarkingBlock marking_of(const ProjectView& view, const TiedBlock& ties) {
-  const double sigma0 = view.adjustment && view.adjustment->sigma0 > 1e-9 ? view.adjustment->sigma0 : 1;
-  return {ties.block, ties.observations, ties.covariances.poses, sigma0};
-}
-
-const LocalFrame* frame_of(const ProjectView& view) { return view.frame ? &*view.frame : nullptr; }
 
 MapHeight surface_of(const ProjectView& view) {
   const auto field = open_height_field(view.project.folder / "products" / "dsm.tif");
@@ -55,7 +49,7 @@ void add_position(json& out, const ProjectView& view, const MarkingBlock& markin
   const auto position = model.position_in_world(mark);
   out["position"] = position ? vector(view.in_map(*position)) : json(nullptr);
   std::optional<Matrix3d> covariance;
-  VertexPlotter plotter(marking, frame_of(view), nullptr);
+  VertexPlotter plotter(marking, view.frame_or_null(), nullptr);
   if (pixels) {
     const auto vertex =
         plotter.plot(MarkedVertex{{{model.left, (*pixels)[0], sigma_px}, {model.right, (*pixels)[1], sigma_px}}});
@@ -125,10 +119,7 @@ struct AskedGround {
 
 Result<AskedGround> asked_ground(std::string_view body) {
   try {
-    const json asked = json::parse(body, [](int depth, json::parse_event_t, json&) {
-      if (depth > 4) throw std::invalid_argument("it is nested too deep");
-      return true;
-    });
+    const json asked = bounded_json(body);
     const json& mark = asked.at("mark");
     AskedGround ground{ImageId{asked.at("images").at(0).get<std::uint32_t>()},
                        ImageId{asked.at("images").at(1).get<std::uint32_t>()},
@@ -150,8 +141,8 @@ Result<AskedGround> asked_ground(std::string_view body) {
 
 Result<std::string> stereo_json(const ProjectView& view, const AskedStereo& asked) {
   COLLINEA_TRY(const auto ties, view.ties());
-  const MarkingBlock marking = marking_of(view, *ties);
-  COLLINEA_TRY(const StereoView scene, stereo_view(marking, frame_of(view), surface_of(view), asked));
+  const MarkingBlock marking = view.marking(*ties);
+  COLLINEA_TRY(const StereoView scene, stereo_view(marking, view.frame_or_null(), surface_of(view), asked));
   const Block& block = ties->block;
   const EpipolarPair& geometry = scene.model.pair;
   json out = of_choice(block, scene.shown);
@@ -171,7 +162,7 @@ Result<std::string> stereo_json(const ProjectView& view, const AskedStereo& aske
 Result<std::string> ground_json(const ProjectView& view, std::string_view body) {
   COLLINEA_TRY(const AskedGround asked, asked_ground(body));
   COLLINEA_TRY(const auto ties, view.ties());
-  const MarkingBlock marking = marking_of(view, *ties);
+  const MarkingBlock marking = view.marking(*ties);
   COLLINEA_TRY(const StereoGeometry model, StereoGeometry::of(ties->block, asked.left, asked.right));
   if (model.left != asked.left) return fail(Errc::kBadInput, "images: the left one comes first, as in stereo");
   const PhotoWindow photo = [&](ImageId image, const PixelWindow& window) {

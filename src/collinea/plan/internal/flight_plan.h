@@ -8,6 +8,7 @@
 
 #include "collinea/base/options.h"
 #include "collinea/camera/camera.h"
+#include "collinea/geometry/polygon.h"
 #include "collinea/io/map_area.h"
 
 namespace collinea {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/serve/internal/asked_vertices.h"
+#include "collinea/serve/internal/bounded_json.h"
 
 #include <stdexcept>
 #include <string>
@@ -80,11 +81,7 @@ AskedVertex vertex_in(const json& one, const Drawing& drawing, const Block& bloc
 
 Result<json> asked_object(std::string_view body) {
   try {
-    json asked = json::parse(body, [](int depth, json::parse_event_t, json&) {
-      constexpr int kDeepest = 8;
-      if (depth > kDeepest) throw std::invalid_argument("it is nested too deep");
-      return true;
-    });
+    json asked = bounded_json(body);
     if (!asked.is_object()) return fail(Errc::kBadInput, "an object is asked for");
     return asked;
   } catch (const std::exception& error) {
