@@ -78,7 +78,6 @@ def write_las(path):
             points["returns"] = 0x11
             points["class"] = np.where(np.sin(x / 9) > 0.7, 6, 2)
             points["rgb"] = np.stack(colours(x, y, random), axis=1).astype(np.uint16) * 256
-            points["sigma"] = sigma.astype(np.float32).view(np.uint32) & 0xFFFF0000
             points["sigma"] = (sigma.astype(np.float32).view(np.uint32) & 0xFFFF0000).view(np.float32)
             points["images"] = 3 + random.integers(0, 5, count)
             points.tofile(file)

@@ -54,7 +54,9 @@ class Server:
         return json.loads(text)["number"] if response.status == 200 else None
 
     def run(self, step, options=None):
-        return self.ask("POST", f"/api/projects/{self.id}/jobs", {"step": step, "options": options or {}})
+        response, text = self.ask("POST", f"/api/projects/{self.id}/jobs", {"step": step, "options": options or {}})
+        if response.status != 202:
+            raise RuntimeError(f"the job was refused: {response.status} {text}")
 
     def kill(self):
         self.process.kill()
@@ -85,7 +87,8 @@ def main():
         project = pathlib.Path(folder) / "project"
         shutil.copytree(original, project)
         before = hashes(project)
-        missing, starts, acknowledged = 0, [], {}
+        missing, jobs, starts, acknowledged = 0, 0, [], {}
+        edits_before = len((project / "journal.jsonl").read_text().splitlines()) if (project / "journal.jsonl").exists() else 0
         for turn in range(kills):
             server = Server(program, project)
             starts.append(server.seconds)
@@ -94,6 +97,7 @@ def main():
                 server.run("ortho", {"ortho": {"feather_cells": 10 + turn % 5}})
             elif turn % 3 == 1:
                 server.run("report", {"densify": {"min_images": 2 + turn % 2}})
+            jobs += turn % 3 < 2
             until = time.monotonic() + chance.uniform(0.05, 2.5)
             timer = threading.Timer(until - time.monotonic(), server.process.kill)
             timer.start()
@@ -112,14 +116,15 @@ def main():
         server = Server(program, project)
         starts.append(server.seconds)
         missing += missed(project, acknowledged)
-        while server.edit("undo"):
-            pass
+        made = sum(1 for line in (project / "journal.jsonl").read_text().splitlines()) - edits_before
+        for _ in range(made):  # those of this run alone
+            server.edit("undo")
         server.kill()
         settings = (original / "project.json").read_text()
         (project / "project.json").write_text(settings)
         subprocess.run([program, "report", project, "--progress", "none"], check=True, capture_output=True)
         after = hashes(project)
-        print(f"{kills} kills, {len(acknowledged)} edits acknowledged, {missing} of them missing")
+        print(f"{kills} kills, {jobs} of them with a job at work; {len(acknowledged)} edits acknowledged, {missing} of them missing")
         print(f"start to the project: median {statistics.median(starts):.2f} s, longest {max(starts):.2f} s")
         print("products as before" if after == before else f"products differ: {[n for n in PRODUCTS if after[n] != before[n]]}")
         sys.exit(missing > 0 or after != before)

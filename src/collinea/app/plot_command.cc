@@ -19,7 +19,7 @@ Command plot_command() {
         flags.positional("project", asked.project, "project folder");
         flags.positional(
             "features", asked.table,
-            "table with feature, vertex, layer, image, x, y, sigma or E, N, H; none: only the files of the "
+            "table with feature, vertex, layer, image, x, y, sigma or E, N, H, sigma_m; none: only the files of the "
             "drawing are written",
             false);
         flags.add("out", asked.out, "", "folder for the tables of vertices and figures");

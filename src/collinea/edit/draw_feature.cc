@@ -96,6 +96,10 @@ Result<DrawFeature> DrawFeature::parse(std::span<const std::string> words) {
   DrawFeature one{.feature = words[0], .layer = words[1]};
   COLLINEA_TRY(check_new_name(one.feature, "FEATURE"));
   COLLINEA_TRY(check_new_name(one.layer, "LAYER"));
+  constexpr std::size_t kLongestNumber = 14;
+  if (one.feature.size() > 1 + kLongestNumber && one.feature[0] == 'F' &&
+      one.feature.find_first_not_of("0123456789", 1) == std::string::npos)
+    return fail(Errc::kBadInput, "FEATURE: F and more than 14 digits leave no number for features to come");
   const auto kind = from_word<VectorKind>(words[2]);
   if (!kind)
     return fail(Errc::kBadInput, "\"" + words[2].substr(0, 40) + "\" is no kind: it is point, line or polygon");

@@ -164,6 +164,9 @@ Result<std::uint64_t> Journal::append(const Make& make) {
     const bool is_alone = edits.size() == 1 || !is_of_history(one.edit);
     COLLINEA_CHECK(is_alone);
     COLLINEA_TRY(history_.check(one.edit));
+    const Words words = words_of(one.edit);
+    const auto again = parse_edit(words);
+    if (!again) return tl::unexpected(Error(again.error()).within(words[0] + (words.size() > 1 ? " " + words[1] : "")));
   }
   std::string bytes;
   const std::string time = now();
@@ -174,6 +177,9 @@ Result<std::uint64_t> Journal::append(const Make& make) {
       line.replaced.clear();
       text = text_of(line);
     }
+    if (text.size() > kLongestLine)
+      return fail(Errc::kBadInput, "an edit is longer than a line of the journal may be, " +
+                                       std::to_string(kLongestLine >> 20) + " MiB: make several of it");
     bytes += text + "\n";
   }
   COLLINEA_TRY(write_at_end(descriptor, bytes, position_, file_));

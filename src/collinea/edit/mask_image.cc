@@ -2,12 +2,13 @@
 #include "collinea/edit/mask_image.h"
 
 #include "collinea/edit/edited_work.h"
-#include "collinea/edit/internal/ring_words.h"
+#include "collinea/edit/internal/named_areas.h"
 #include "collinea/edit/internal/words_in.h"
 
 namespace collinea {
 namespace {
 
+// What makes the mask of a name as it was; nothing where there was none.
 std::vector<std::vector<std::string>> commands_of(const EditContext& context, const EditedWork& work,
                                                   const std::string& name) {
   std::vector<std::vector<std::string>> commands;
@@ -21,26 +22,17 @@ std::vector<std::vector<std::string>> commands_of(const EditContext& context, co
 }  // namespace
 
 Result<MaskImage> MaskImage::parse(std::span<const std::string> words) {
-  if (words.size() < 2) return wrong_form(kForm);
-  MaskImage one{.mask = words[0], .image = words[1]};
-  COLLINEA_TRY(check_new_name(one.mask, "MASK"));
-  COLLINEA_TRY(check_name(one.image, "IMAGE"));
-  COLLINEA_TRY(one.ring_px, ring_in(words.subspan(2), kForm, "X", "Y"));
-  COLLINEA_TRY(check_ring(one.ring_px));
-  return one;
+  return named_area_in(words, kForm, "MASK", "X", "Y").map([](NamedArea area) {
+    return MaskImage{std::move(area.name), std::move(area.image), std::move(area.ring)};
+  });
 }
 
-std::vector<std::string> MaskImage::words() const {
-  std::vector<std::string> words = {mask, image};
-  append_words(ring_px, words);
-  return words;
-}
+std::vector<std::string> MaskImage::words() const { return words_of_area(mask, image, ring_px); }
 
 Result<MaskImage> MaskImage::completed(const EditContext& context, const EditDefaults&) const {
   if (image == "*") return *this;
   MaskImage one = *this;
-  COLLINEA_TRY(const ImageId id, context.image(image));
-  one.image = context.block().images.at(id).file;
+  COLLINEA_TRY(one.image, file_named(context, image));
   return one;
 }
 
@@ -49,8 +41,7 @@ Result<> MaskImage::apply(const EditContext& context, EditedWork& work) const {
   if (image != "*") {
     COLLINEA_TRY(made.image, context.image(image));
   }
-  std::erase_if(work.masks, [&](const ImageMask& one) { return one.name == mask; });
-  work.masks.push_back(std::move(made));
+  put_on_top(work.masks, std::move(made));
   return {};
 }
 
@@ -61,9 +52,7 @@ std::vector<std::vector<std::string>> MaskImage::restoring(const EditContext& co
 }
 
 Result<UnmaskImage> UnmaskImage::parse(std::span<const std::string> words) {
-  if (words.size() != 1) return wrong_form(kForm);
-  COLLINEA_TRY(check_name(words[0], "MASK"));
-  return UnmaskImage{words[0]};
+  return known_name_in(words, kForm, "MASK").map([](std::string name) { return UnmaskImage{std::move(name)}; });
 }
 
 std::vector<std::string> UnmaskImage::words() const { return {mask}; }
@@ -71,9 +60,7 @@ std::vector<std::string> UnmaskImage::words() const { return {mask}; }
 Result<UnmaskImage> UnmaskImage::completed(const EditContext&, const EditDefaults&) const { return *this; }
 
 Result<> UnmaskImage::apply(const EditContext&, EditedWork& work) const {
-  const auto removed = std::erase_if(work.masks, [&](const ImageMask& one) { return one.name == mask; });
-  if (removed == 0) return fail(Errc::kNotFound, "there is no mask " + mask);
-  return {};
+  return remove_named(work.masks, mask, "mask");
 }
 
 std::vector<std::vector<std::string>> UnmaskImage::restoring(const EditContext& context,

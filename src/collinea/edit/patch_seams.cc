@@ -2,12 +2,13 @@
 #include "collinea/edit/patch_seams.h"
 
 #include "collinea/edit/edited_work.h"
-#include "collinea/edit/internal/ring_words.h"
+#include "collinea/edit/internal/named_areas.h"
 #include "collinea/edit/internal/words_in.h"
 
 namespace collinea {
 namespace {
 
+// What makes the patch of a name as it was; nothing where there was none.
 std::vector<std::vector<std::string>> commands_of(const EditContext& context, const EditedWork& work,
                                                   const std::string& name) {
   std::vector<std::vector<std::string>> commands;
@@ -20,33 +21,23 @@ std::vector<std::vector<std::string>> commands_of(const EditContext& context, co
 }  // namespace
 
 Result<PatchSeams> PatchSeams::parse(std::span<const std::string> words) {
-  if (words.size() < 2) return wrong_form(kForm);
-  PatchSeams one{.patch = words[0], .image = words[1]};
-  COLLINEA_TRY(check_new_name(one.patch, "PATCH"));
-  COLLINEA_TRY(check_name(one.image, "IMAGE"));
-  COLLINEA_TRY(one.ring_m, ring_in(words.subspan(2), kForm, "E", "N"));
-  COLLINEA_TRY(check_ring(one.ring_m));
-  return one;
+  return named_area_in(words, kForm, "PATCH", "E", "N").map([](NamedArea area) {
+    return PatchSeams{std::move(area.name), std::move(area.image), std::move(area.ring)};
+  });
 }
 
-std::vector<std::string> PatchSeams::words() const {
-  std::vector<std::string> words = {patch, image};
-  append_words(ring_m, words);
-  return words;
-}
+std::vector<std::string> PatchSeams::words() const { return words_of_area(patch, image, ring_m); }
 
 Result<PatchSeams> PatchSeams::completed(const EditContext& context, const EditDefaults&) const {
   PatchSeams one = *this;
-  COLLINEA_TRY(const ImageId id, context.image(image));
-  one.image = context.block().images.at(id).file;
+  COLLINEA_TRY(one.image, file_named(context, image));
   return one;
 }
 
 Result<> PatchSeams::apply(const EditContext& context, EditedWork& work) const {
-  SeamPatch made{.name = patch, .ring_m = ring_m};
+  SeamPatch made{.name = patch, .image = {}, .ring_m = ring_m};
   COLLINEA_TRY(made.image, context.image(image));
-  std::erase_if(work.patches, [&](const SeamPatch& one) { return one.name == patch; });
-  work.patches.push_back(std::move(made));
+  put_on_top(work.patches, std::move(made));
   return {};
 }
 
@@ -58,9 +49,7 @@ std::vector<std::vector<std::string>> PatchSeams::restoring(const EditContext& c
 }
 
 Result<UnpatchSeams> UnpatchSeams::parse(std::span<const std::string> words) {
-  if (words.size() != 1) return wrong_form(kForm);
-  COLLINEA_TRY(check_name(words[0], "PATCH"));
-  return UnpatchSeams{words[0]};
+  return known_name_in(words, kForm, "PATCH").map([](std::string name) { return UnpatchSeams{std::move(name)}; });
 }
 
 std::vector<std::string> UnpatchSeams::words() const { return {patch}; }
@@ -68,9 +57,7 @@ std::vector<std::string> UnpatchSeams::words() const { return {patch}; }
 Result<UnpatchSeams> UnpatchSeams::completed(const EditContext&, const EditDefaults&) const { return *this; }
 
 Result<> UnpatchSeams::apply(const EditContext&, EditedWork& work) const {
-  const auto removed = std::erase_if(work.patches, [&](const SeamPatch& one) { return one.name == patch; });
-  if (removed == 0) return fail(Errc::kNotFound, "there is no patch " + patch);
-  return {};
+  return remove_named(work.patches, patch, "patch");
 }
 
 std::vector<std::vector<std::string>> UnpatchSeams::restoring(const EditContext& context,

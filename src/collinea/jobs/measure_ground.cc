@@ -32,8 +32,7 @@ std::array<std::string, 2> files_of(const Block& block, const StereoChoice& pair
 
 Result<GroundReport> measure_ground(const Project& project, const Eigen::Vector2d& on_map,
                                     const GroundOptions& options) {
-  if (options.match.window_px % 2 == 0)
-    return fail(Errc::kBadInput, "the side of the window is odd", {"window_px"_option});
+  COLLINEA_TRY(validate(options));
   COLLINEA_TRY(const MarkingProject oriented, MarkingProject::read(project));
   const Block& block = oriented.block;
   const MarkingBlock marking = oriented.marking();

@@ -87,44 +87,56 @@ std::vector<PlottedVertex> vertices_named(const std::string& name,
   return {of->second[number - 1]};
 }
 
-Result<> measure(std::vector<MeasuredReport::Figure>& figures, VertexPlotter& plotter,
-                 const std::map<std::string, std::vector<PlottedVertex>>& all) {
-  for (MeasuredReport::Figure& figure : figures) {
-    std::vector<PlottedVertex> vertices;
-    for (const std::string& name : figure.points) {
-      const auto named = vertices_named(name, all);
-      if (named.empty()) return fail(Errc::kBadInput, "no vertex is called \"" + name + "\"", {"figures"_option});
-      vertices.insert(vertices.end(), named.begin(), named.end());
-    }
-    const auto measured = VertexFigures(plotter, std::move(vertices)).measure(figure.kind);
-    if (measured)
-      figure.measured = {measured->value, measured->sigma.value_or(std::numeric_limits<double>::quiet_NaN())};
-    else
-      figure.refused = measured.error().message;
+using Vertices = std::map<std::string, std::vector<PlottedVertex>>;
+
+// A feature that was drawn before, when a figure names it or a vertex of it.
+Result<> add_drawn(const std::string& name, const Drawing& drawing, VertexPlotter& plotter, const Block& block,
+                   Vertices& all) {
+  const DrawnFeature* feature = drawing.find(name);
+  if (!feature) feature = drawing.find(name.substr(0, name.rfind('.')));
+  if (!feature || all.contains(feature->id)) return {};
+  std::vector<PlottedVertex> vertices;
+  for (const DrawnVertex& vertex : feature->vertices) {
+    COLLINEA_TRY(PlottedVertex plotted, plotter.plot(repeated_vertex(vertex, block)));
+    vertices.push_back(std::move(plotted));
   }
+  all.emplace(feature->id, std::move(vertices));
   return {};
 }
 
-// With features drawn before: figures may name these as well.
-Result<> add_drawn(const Drawing& drawing, VertexPlotter& plotter, const Block& block,
-                   std::map<std::string, std::vector<PlottedVertex>>& all) {
-  for (const DrawnFeature& feature : drawing.features) {
-    if (all.contains(feature.id)) continue;
-    std::vector<PlottedVertex>& vertices = all[feature.id];
-    for (const DrawnVertex& vertex : feature.vertices) {
-      COLLINEA_TRY(PlottedVertex plotted, plotter.plot(repeated_vertex(vertex, block)));
-      vertices.push_back(std::move(plotted));
-    }
+Result<FigureOfVertices> measured(const MeasuredReport::Figure& figure, const Drawing& drawing, VertexPlotter& plotter,
+                                  const Block& block, Vertices& all) {
+  std::vector<PlottedVertex> vertices;
+  for (const std::string& name : figure.points) {
+    COLLINEA_TRY(add_drawn(name, drawing, plotter, block, all));
+    const auto named = vertices_named(name, all);
+    if (named.empty()) return fail(Errc::kBadInput, "no vertex is called \"" + name + "\"");
+    vertices.insert(vertices.end(), named.begin(), named.end());
   }
-  return {};
+  return VertexFigures(plotter, std::move(vertices)).measure(figure.kind);
+}
+
+// A figure that cannot be measured says so in its place.
+void measure(std::vector<MeasuredReport::Figure>& figures, const Drawing& drawing, VertexPlotter& plotter,
+             const Block& block, Vertices& all) {
+  for (MeasuredReport::Figure& figure : figures) {
+    const auto found = measured(figure, drawing, plotter, block, all);
+    if (found)
+      figure.measured = {found->value, found->sigma.value_or(std::numeric_limits<double>::quiet_NaN())};
+    else
+      figure.refused = found.error().message;
+  }
 }
 
 Result<std::vector<DrawingCode>> codes_of(const fs::path& folder, const std::optional<fs::path>& given) {
   if (!given) return code_list_of(folder);
-  COLLINEA_TRY(std::vector<DrawingCode> codes, read_code_list(*given));
-  COLLINEA_TRY(const std::string text, read_file(*given));
-  COLLINEA_TRY(write_file(folder / "codes.txt", text));
-  return codes;
+  return read_code_list(*given);
+}
+
+// From now on it is that of the project.
+Result<> keep_codes(const fs::path& folder, const fs::path& given) {
+  COLLINEA_TRY(const std::string text, read_file(given));
+  return write_file(folder / "codes.txt", text);
 }
 
 }  // namespace
@@ -153,11 +165,9 @@ Result<PlotReport> plot_features(const fs::path& folder, const std::optional<fs:
       COLLINEA_TRY([[maybe_unused]] const EditsMade made, make_edits(folder, journal, all.edits));
     }
   }
+  if (options.codes) COLLINEA_TRY(keep_codes(folder, *options.codes));
   COLLINEA_TRY(const EditedWork work, read_work(project));
-  if (!report.figures.empty()) {
-    COLLINEA_TRY(add_drawn(work.drawing, *plotter, plotting->oriented.block, all.vertices));
-    COLLINEA_TRY(measure(report.figures, *plotter, all.vertices));
-  }
+  if (!report.figures.empty()) measure(report.figures, work.drawing, *plotter, plotting->oriented.block, all.vertices);
   report.features_in_force = work.drawing.features.size();
   COLLINEA_TRY(const DrawingFiles written, write_drawing(project, work.drawing, codes));
   report.crs = written.crs;

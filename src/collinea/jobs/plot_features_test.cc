@@ -124,6 +124,41 @@ TEST_F(PlotFeatures, WhatCannotBePlottedIsStatedAndNotDrawn) {
   }
 }
 
+// What a journal could not be read with is refused before it is written.
+TEST_F(PlotFeatures, FeaturesThatCannotBeReadAgainAreRefusedAndTheJournalStaysWhole) {
+  ASSERT_TRUE(plot("feature,E,N,H\na,546800,5338600,300\n"));
+  const std::string before = read_file(project() / "journal.jsonl").value();
+  const struct {
+    std::string table, part;
+    PlotOptions options;
+  } cases[] = {{"feature,E,N,H,kind\nb,1,2,3,polygon\n", "a polygon has 3 vertices or more", {}},
+               {"feature,E,N,H,kind\nb,1,2,3,point\nb,2,3,4,point\n", "a point has 1 vertex", {}},
+               {"feature,E,N,H\nb,1,2,3\n", "LAYER", {.layer = ""}},
+               {"feature,E,N,H\n*,1,2,3\n", "* is no feature", {}},
+               {"feature,E,N,H\nF123456789012345,1,2,3\n", "more than 14 digits", {}}};
+  for (const auto& [table, part, options] : cases) {
+    const auto refused = plot(table, options);
+    ASSERT_FALSE(refused) << table;
+    EXPECT_NE(refused.error().message.find(part), std::string::npos) << refused.error().message;
+    EXPECT_EQ(read_file(project() / "journal.jsonl").value(), before);
+  }
+  EXPECT_TRUE(plot_features(project(), std::nullopt, {}, {}));
+}
+
+TEST_F(PlotFeatures, AFigureThatCannotBeMeasuredSaysSoAndTheRestIsDone) {
+  const auto report = plot(four_roofs(), {.figures = "area both; distance both.1 none; distance one.1 one.9"});
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->features_in_force, 4u);
+  EXPECT_TRUE(report->figures[0].measured);
+  for (const std::size_t i : {1u, 2u})
+    EXPECT_NE(report->figures[i].refused.find("no vertex is called"), std::string::npos) << report->figures[i].refused;
+  // Features that were drawn before can be named, and one of them is all that is plotted anew.
+  const auto again = plot_features(project(), std::nullopt, {.figures = "area both"}, {});
+  ASSERT_TRUE(again) << again.error().message;
+  ASSERT_TRUE(again->figures[0].measured) << again->figures[0].refused;
+  EXPECT_NEAR(again->figures[0].measured->value, report->figures[0].measured->value, 1e-6);
+}
+
 TEST_F(PlotFeatures, WithoutATableTheFilesFollowTheEdits) {
   ASSERT_TRUE(plot(four_roofs()));
   Journal journal(project());

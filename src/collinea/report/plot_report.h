@@ -31,7 +31,7 @@ struct PlotReport {
 };
 
 [[nodiscard]] std::string plot_text(const PlotReport& report);
-/// vertices.txt (feature, vertex, layer, source, E, N, H, their sigmas and covariances) and, where there are figures,
+/// vertices.txt (feature, vertex, layer, source, E, N, H, their sigmas and correlations) and, where there are figures,
 /// figures.txt.
 [[nodiscard]] std::vector<NamedTable> plot_tables(const PlotReport& report);
 

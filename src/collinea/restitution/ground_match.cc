@@ -119,13 +119,24 @@ Result<Found> find(const StereoGeometry& model, const std::array<EpipolarWindow,
   return Found{mark->parallax, per_m * std::sqrt(std::max(variance, 0.0)), point.views[1 - reference].correlation};
 }
 
+// Whether both photographs show the window about a mark: at its corners.
+bool is_shown(const Block& block, const StereoGeometry& model, const StereoMark& mark, int window_px) {
+  const double half = window_px / 2.0;
+  for (const auto& [dx, dy] : {std::pair(-half, -half), {half, -half}, {-half, half}, {half, half}})
+    if (!model.pixels_of(block, {mark.x + dx, mark.y + dy, mark.parallax})) return false;
+  return true;
+}
+
 }  // namespace
 
 double GroundMatch::mark_sigma_px() const { return sigma_px / std::numbers::sqrt2; }
 
 Result<GroundMatch> match_ground(const Block& block, const StereoGeometry& model, const StereoMark& mark,
                                  const PhotoWindow& photo, const GroundMatchOptions& options) {
-  if (!model.pixels_of(block, mark)) return fail(Errc::kBadInput, "the mark is not in both photographs");
+  if (options.window_px % 2 == 0)
+    return fail(Errc::kBadInput, "the side of the window that is matched is odd", {"window_px"_option});
+  if (!is_shown(block, model, mark, options.window_px))
+    return fail(Errc::kBadInput, "the mark with its window is not in both photographs");
   // The window, twice as wide where it is stretched, and the search.
   const int height = 2 * options.window_px + 9, width = height + 2 * options.search_px;
   const EpipolarPair& pair = model.pair;
@@ -141,6 +152,8 @@ Result<GroundMatch> match_ground(const Block& block, const StereoGeometry& model
   constexpr double kSure = 3.29;  // 0.1 %, of the difference of two
   if (!(std::abs(back.parallax_px - there.parallax_px) <= kSure * std::numbers::sqrt2 * sigma))
     return fail(Errc::kNotConverged, "not set on the ground: matched back it comes to another place");
+  if (!is_shown(block, model, set, options.window_px))
+    return fail(Errc::kNotConverged, "not set on the ground: its window leaves a photograph there");
   const auto position = model.position_in_world(set);
   const auto pixels = model.pixels_of(block, set);
   if (!position || !pixels) return fail(Errc::kNotConverged, "not set on the ground: a photograph does not show it");

@@ -59,24 +59,33 @@ std::vector<StereoMark> true_marks(const Pair& pair, std::size_t count, std::uin
 TEST(GroundMatch, SetsHeightsWithinTheirBounds) {
   const Pair& pair = rendered_pair();
   Random random(4, 1);
-  int set = 0, within = 0;
-  double squares = 0;
+  int set = 0, within = 0, tried = 0;
+  double squares = 0, chi2 = 0;
   for (const StereoMark& truth : true_marks(pair, 140, 2)) {
     StereoMark start = truth;
     start.parallax += 16 * (random.uniform() - 0.5);
+    ++tried;
     const auto found = match_ground(pair.scene.block(), pair.model, start, pair.scene.photo(), {});
     if (!found) continue;
     ++set;
     const double off = found->mark.parallax - truth.parallax;
     within += std::abs(off) <= 1.96 * found->sigma_px;
     squares += off * off;
+    chi2 += off * off / (found->sigma_px * found->sigma_px);
     EXPECT_EQ(found->mark.x, truth.x);
     EXPECT_LT((found->position_in_world - *pair.model.position_in_world(found->mark)).norm(), 1e-9);
     if (set == 100) break;
   }
   ASSERT_EQ(set, 100);
   EXPECT_GE(within, 89) << "root mean square " << std::sqrt(squares / set);
+  // At most twice too large, as kResampling_px is a bound of what interpolation does; not too small by chi-squared of
+  // 100, whose mean has the standard deviation 0.14: four of them.
+  EXPECT_GT(chi2 / set, 0.25);
+  EXPECT_LT(chi2 / set, 1 + 4 * std::sqrt(2.0 / set));
+  EXPECT_LE(tried, 110);
   RecordProperty("within", within);
+  RecordProperty("chi2", std::to_string(chi2 / set));
+  RecordProperty("tried", tried);
 }
 
 // What a person would see as a y-parallax: windows of the resampled pair, matched freely in both directions.

@@ -10,7 +10,8 @@ namespace collinea {
 /// highest one in reach, inwards that of the lowest. A wall is where neighbouring cells differ by more than 60 degrees;
 /// all else stays as it is. `field` must outlive it.
 [[nodiscard]] HeightField moved_edges(const HeightField& field, bool outwards);
-inline constexpr int kEdgeReach = 5;           ///< cells, along each axis: half a matching window of 9, and what resampling adds
+/// Cells, along each axis: half a matching window of 9, and what resampling adds.
+inline constexpr int kEdgeReach = 5;
 inline constexpr double kWallSlope = 1.73205;  ///< tan 60 degrees
 
 }  // namespace collinea

@@ -132,7 +132,10 @@ Result<PlottedVertex> VertexPlotter::plot(const AskedVertex& asked) {
 Result<PlottedVertex> VertexPlotter::plot_one(const MarkedVertex& asked) {
   if (asked.marks.empty()) return fail(Errc::kBadInput, "a vertex has one mark or more");
   for (const ImageMark& mark : asked.marks) COLLINEA_TRY(check(marking_.block, mark));
-  return count_images(asked.marks) == 1 ? mono(asked.marks.front()) : stereo(asked.marks);
+  if (count_images(asked.marks) > 1) return stereo(asked.marks);
+  if (asked.marks.size() > 1)
+    return fail(Errc::kBadInput, "all marks are of one image: one of them, or one in another image");
+  return mono(asked.marks.front());
 }
 
 Result<PlottedVertex> VertexPlotter::stereo(std::span<const ImageMark> marks) {
@@ -292,9 +295,10 @@ VertexFigures::VertexFigures(VertexPlotter& plotter, std::vector<PlottedVertex> 
     points_.heights.push_back(vertex.position.z());
   }
   auto covariance = plotter.covariance(vertices);
-  has_covariance_ = covariance.has_value();
-  const Index size = 3 * Index(vertices.size());
-  points_.covariance = covariance ? *std::move(covariance) : MatrixXd::Zero(size, size);
+  if (covariance)
+    points_.covariance = *std::move(covariance);
+  else
+    why_no_sigma_ = covariance.error();
 }
 
 Result<FigureOfVertices> VertexFigures::measure(FigureKind kind) const {
@@ -304,8 +308,16 @@ Result<FigureOfVertices> VertexFigures::measure(FigureKind kind) const {
 }
 
 Result<FigureOfVertices> VertexFigures::measure(FigureKind kind, std::span<const std::size_t> numbers) const {
-  COLLINEA_TRY(const MeasuredFigure figure, measure_figure(kind, numbers, points_));
-  return FigureOfVertices{figure.value, has_covariance_ ? std::optional(figure.sigma) : std::nullopt};
+  if (why_no_sigma_ && why_no_sigma_->code == Errc::kUnsupported) return tl::unexpected(*why_no_sigma_);
+  if (!why_no_sigma_) {
+    COLLINEA_TRY(const MeasuredFigure figure, measure_figure(kind, numbers, points_));
+    return FigureOfVertices{figure.value, figure.sigma};
+  }
+  FigurePoints exact = points_;
+  const Index size = 3 * Index(points_.positions.size());
+  exact.covariance = MatrixXd::Zero(size, size);
+  COLLINEA_TRY(const MeasuredFigure figure, measure_figure(kind, numbers, exact));
+  return FigureOfVertices{figure.value, std::nullopt};
 }
 
 }  // namespace collinea

@@ -74,8 +74,9 @@ struct PlottedVertex {
 /// (local_poses(): those of the images named, and of the nearest that see each vertex).
 class VertexPlotter {
  public:
-  static constexpr std::size_t kNearest = 4;      ///< images by which the surface was made, of a vertex
-  static constexpr std::size_t kMostImages = 60;  ///< that vertices are of together
+  static constexpr std::size_t kNearest = 4;         ///< images by which the surface was made, of a vertex
+  static constexpr std::size_t kMostImages = 60;     ///< that vertices are of together
+  static constexpr std::size_t kMostVertices = 500;  ///< of a covariance: three rows each
 
   /// All must outlive it. `frame`: null where the map is the world. `surface`: null where there is none.
   VertexPlotter(const MarkingBlock& marking, const LocalFrame* frame, PlottingSurface* surface)
@@ -85,7 +86,7 @@ class VertexPlotter {
   [[nodiscard]] Result<PlottedVertex> plot(const AskedVertex& asked);
 
   /// Of all positions together, 3 rows each [m^2], in the world. Errors: kIllPosed, the errors of a vertex or of the
-  /// block are not known; kUnsupported, more than kMostImages.
+  /// block are not known; kUnsupported, more than kMostImages or kMostVertices.
   [[nodiscard]] Result<Eigen::MatrixXd> covariance(std::span<const PlottedVertex> vertices);
   /// That of one, in the axes of the map; nothing: not known.
   [[nodiscard]] std::optional<Eigen::Matrix3d> covariance_in_map(const PlottedVertex& vertex);
@@ -118,7 +119,7 @@ class VertexPlotter {
 };
 
 /// A figure of vertices in their order; `sigma`: nothing where the errors of a vertex are not known. Errors: as
-/// measure_figure().
+/// measure_figure(); kUnsupported, of more vertices or images than VertexPlotter::covariance() takes.
 struct FigureOfVertices {
   double value = 0;
   std::optional<double> sigma;
@@ -133,7 +134,7 @@ class VertexFigures {
 
  private:
   FigurePoints points_;
-  bool has_covariance_ = false;
+  std::optional<Error> why_no_sigma_;
 };
 
 }  // namespace collinea

@@ -76,6 +76,8 @@ std::vector<ImageId> VertexPlotter::images_of(std::span<const PlottedVertex> ver
 }
 
 const std::optional<LocalPoses>& VertexPlotter::poses_of(const std::vector<ImageId>& images) {
+  static const std::optional<LocalPoses> none;
+  if (marking_.poses.empty()) return none;  // run adjust
   const auto known = poses_.find(images);
   if (known != poses_.end()) return known->second;
   return poses_
@@ -84,6 +86,9 @@ const std::optional<LocalPoses>& VertexPlotter::poses_of(const std::vector<Image
 }
 
 Result<MatrixXd> VertexPlotter::covariance(std::span<const PlottedVertex> vertices) {
+  if (vertices.size() > kMostVertices)
+    return fail(Errc::kUnsupported,
+                "more than " + std::to_string(kMostVertices) + " vertices: measure parts of the figure");
   for (const PlottedVertex& vertex : vertices)
     if (!vertex.errors) return fail(Errc::kIllPosed, "the errors of a vertex are not known");
   const std::vector<ImageId> images = images_of(vertices);

@@ -6,6 +6,7 @@
 #include "collinea/marking/local_poses.h"
 #include "collinea/report/json_values.h"
 #include "collinea/serve/internal/asked_vertices.h"
+#include "collinea/serve/internal/bounded_json.h"
 #include "collinea/surface/volume.h"
 
 namespace collinea {
@@ -107,16 +108,28 @@ json figure_json(FigureKind kind, const FigureOfVertices& figure) {
 Result<std::optional<ImageId>> asked_image(const json& asked, const Block& block) {
   const json image = asked.value("image", json());
   if (image.is_null()) return std::optional<ImageId>();
-  const bool is_number = image.is_number_unsigned() && image.get<std::uint64_t>() < ImageId::kNone;
-  if (!is_number || !block.images.contains(ImageId{image.get<std::uint32_t>()}))
-    return fail(Errc::kNotFound, "there is no such image");
-  return std::optional(ImageId{image.get<std::uint32_t>()});
+  try {
+    if (const ImageId id = image_in(image); block.images.contains(id)) return std::optional(id);
+  } catch (const std::exception& error) {
+    return fail(Errc::kBadInput, error.what());
+  }
+  return fail(Errc::kNotFound, "there is no such image");
 }
 
 Result<SurfaceFiles> surface_of(const ProjectView& view) {
   const std::filesystem::path dsm = view.project.folder / "products" / "dsm.tif";
   if (!is_there(dsm)) return fail(Errc::kIllPosed, "there is no surface yet: bring the project to the step surface");
   return with_sigmas_beside(dsm);
+}
+
+// Of marks in images that there are: those of a vertex that is drawn may name others.
+void add_residuals(json& marks, const AskedVertex& asked, const std::vector<Eigen::Vector2d>& residuals_px) {
+  std::vector<ImageMark> taken;
+  if (const auto* marked = std::get_if<MarkedVertex>(&asked)) taken = marked->marks;
+  if (const auto* repeated = std::get_if<RepeatedVertex>(&asked)) taken = repeated->marks;
+  for (std::size_t i = 0; i < residuals_px.size() && i < taken.size(); ++i)
+    for (json& mark : marks)
+      if (mark.at("image") == taken[i].image.value) mark["residual_px"] = pixel_json(residuals_px[i]);
 }
 
 }  // namespace
@@ -170,8 +183,7 @@ Result<std::string> vertices_json(const ProjectView& view, std::string_view body
       continue;
     }
     json one = vertex_json(drawn_vertex(plotter, vertex, *plotted, plotting->ties->block), images);
-    for (std::size_t i = 0; i < plotted->residuals_px.size(); ++i)
-      one["marks"].at(i)["residual_px"] = pixel_json(plotted->residuals_px[i]);
+    add_residuals(one["marks"], vertex, plotted->residuals_px);
     projection.add_to(one, plotted->position);
     list.push_back(std::move(one));
   }

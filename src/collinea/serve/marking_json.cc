@@ -110,7 +110,7 @@ struct RefineRequest {
 Result<RefineRequest> refine_request_in(std::string_view body) {
   try {
     const json asked = bounded_json(body);
-    RefineRequest request{ImageId{asked.at("image").get<std::uint32_t>()},
+    RefineRequest request{image_in(asked.at("image")),
                           {asked.at("pixel").at(0).get<double>(), asked.at("pixel").at(1).get<double>()},
                           {}};
     if (!request.pixel.allFinite()) return fail(Errc::kBadInput, "pixel: two numbers, column and row");

@@ -121,8 +121,8 @@ Result<AskedGround> asked_ground(std::string_view body) {
   try {
     const json asked = bounded_json(body);
     const json& mark = asked.at("mark");
-    AskedGround ground{ImageId{asked.at("images").at(0).get<std::uint32_t>()},
-                       ImageId{asked.at("images").at(1).get<std::uint32_t>()},
+    AskedGround ground{image_in(asked.at("images").at(0)),
+                       image_in(asked.at("images").at(1)),
                        {mark.at(0).get<double>(), mark.at(1).get<double>(), mark.at(2).get<double>()},
                        {}};
     ground.options.search_px = asked.value("search_px", ground.options.search_px);
@@ -130,7 +130,6 @@ Result<AskedGround> asked_ground(std::string_view body) {
     for (const double value : {ground.mark.x, ground.mark.y, ground.mark.parallax})
       if (!(std::abs(value) < 1e6)) return fail(Errc::kBadInput, "mark: three numbers, x, y and parallax");
     COLLINEA_TRY(validate(ground.options));
-    if (ground.options.window_px % 2 == 0) return fail(Errc::kBadInput, "window_px: it is odd");
     return ground;
   } catch (const std::exception& error) {
     return fail(Errc::kBadInput, error.what());

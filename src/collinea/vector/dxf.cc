@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "collinea/vector/drawing.h"
 #include "collinea/vector/internal/vector_file.h"
 
 namespace collinea {
@@ -25,14 +26,7 @@ std::string layer_name(std::string_view name) {
 }
 
 // A style as GDAL reads it.
-std::string pen(const std::array<std::uint8_t, 3>& colour) {
-  std::string text = "PEN(c:#";
-  for (const std::uint8_t part : colour) {
-    text += "0123456789abcdef"[part / 16];
-    text += "0123456789abcdef"[part % 16];
-  }
-  return text + ")";
-}
+std::string pen(const LayerColour& colour) { return "PEN(c:" + text_of(colour) + ")"; }
 
 OGRGeometryH point(const Eigen::Vector3d& position) {
   const OGRGeometryH made = OGR_G_CreateGeometry(wkbPoint25D);

@@ -48,7 +48,7 @@ Result<Columns> columns_of(const TextTable& table) {
 class Builder {
  public:
   Builder(const Block& block, std::span<const DrawingCode> codes, double sigma_px)
-      : block_(block), codes_(codes), sigma_px_(sigma_px) {
+      : codes_(codes), sigma_px_(sigma_px) {
     for (const auto& [id, image] : block.images) {
       ids_[image.file] = id;
       files_.push_back(image.file);
@@ -58,6 +58,8 @@ class Builder {
   Result<> add(const Columns& of, std::size_t row) {
     const auto [known, is_new] = numbers_.try_emplace(of.feature[row], features.size());
     if (is_new) features.push_back({.id = of.feature[row]});
+    if (of.feature[row] == "*")
+      return fail(Errc::kBadInput, "* is no feature: its rows are known by a name of their own");
     AskedFeature& feature = features[known->second];
     if (is_new) kinds_.emplace_back();
     COLLINEA_TRY(describe(feature, kinds_[known->second], of, row));
@@ -130,7 +132,6 @@ class Builder {
     return {};
   }
 
-  const Block& block_;
   std::span<const DrawingCode> codes_;
   double sigma_px_;
   std::map<std::string, ImageId> ids_;

@@ -19,7 +19,7 @@ struct AskedFeature {
   std::vector<AskedVertex> vertices;
 };
 
-/// Columns feature, image, x, y, sigma (of a mark); E, N, H, sigma (of coordinates; without H on the surface); vertex
+/// Columns feature, image, x, y, sigma (of a mark); E, N, H, sigma_m (of coordinates; without H on the surface); vertex
 /// (rows of one are marks of one), code, layer, kind, of the first row of a feature that states it. Errors: with their
 /// row.
 [[nodiscard]] Result<std::vector<AskedFeature>> features_in(const TextTable& table, const Block& block,

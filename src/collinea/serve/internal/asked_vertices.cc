@@ -33,8 +33,7 @@ MarkedVertex marked_in(const json& marks) {
     throw std::invalid_argument("marks: a list of 1 to " + std::to_string(kMostAskedMarks));
   MarkedVertex vertex;
   for (const json& mark : marks) {
-    if (!mark.at("image").is_number_unsigned()) throw std::invalid_argument("image: the number of an image");
-    vertex.marks.push_back({ImageId{mark.at("image").get<std::uint32_t>()}, numbers_in<2>(mark.at("pixel"), "pixel"),
+    vertex.marks.push_back({image_in(mark.at("image")), numbers_in<2>(mark.at("pixel"), "pixel"),
                             positive(mark.value("sigma_px", 0.5), "sigma_px")});
   }
   return vertex;

@@ -14,4 +14,10 @@ nlohmann::ordered_json bounded_json(std::string_view body) {
   });
 }
 
+ImageId image_in(const nlohmann::ordered_json& number) {
+  if (!number.is_number_unsigned() || number.get<std::uint64_t>() >= ImageId::kNone)
+    throw std::invalid_argument("an image is asked for by its number");
+  return ImageId{number.get<std::uint32_t>()};
+}
+
 }  // namespace collinea
