@@ -26,7 +26,7 @@ namespace collinea {
   return inside;
 }
 
-/// A ring with its bounds, so that most positions are told to lie outside at once.
+/// A ring with its bounds: most positions are seen to lie outside at once.
 class BoundedRing {
  public:
   explicit BoundedRing(std::vector<Eigen::Vector2d> points) : points_(std::move(points)) {
