@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
 
+import { drawing } from "../../lib/drawing.svelte";
 import type { CloudRegion } from "../../lib/types";
 import { type CloudHeader, type CloudNode, tree } from "./cloud_file";
 import { sigmaCode, sigmaOfCode } from "./messages";
@@ -69,6 +70,18 @@ test("a place that is zoomed about, or held, stays where it is", () => {
   }
 });
 
+test("rays reach the rim of the view in the field of view that there is, until it is levelled", () => {
+  const view = new Viewpoint();
+  const half = (x: number, y: number): number => Math.acos(dot(view.ray(x, y, 1).direction, view.axes.forward));
+  const usual = half(0, 1);
+  view.lookAlong([0.1, -0.2, -1], [0.9, 0.3, 0]);
+  view.fov = 1.2;
+  for (const [x, y] of [[0, 1], [0, -1], [1, 0]] as const) expect(half(x, y)).toBeCloseTo(0.6, 12);
+  expect(view.halfHeight).toBeCloseTo(view.distance * Math.tan(0.6), 12);
+  view.level();
+  expect(half(0, 1)).toBeCloseTo(usual, 12);
+});
+
 test("axes are square to each other, also with a roll", () => {
   const view = new Viewpoint();
   view.lookAlong([0.1, -0.2, -1], [0.9, 0.3, 0]);
@@ -80,6 +93,9 @@ test("axes are square to each other, also with a roll", () => {
 
 test("a region becomes the command of the journal", () => {
   const draft = new RegionDraft();
+  drawing.chosen = "F1";
+  draft.begin();
+  expect(drawing.chosen).toBeUndefined(); // Delete is not about a feature
   for (const [e, n] of square) draft.add([e, n, 0]);
   [draft.low, draft.class] = ["−2,5", 6];
   expect(draft.isReady).toBe(true);

@@ -3,7 +3,7 @@
 
 export type Triple = [number, number, number];
 
-export const fieldOfView = (50 * Math.PI) / 180; // of the height of the view
+const fieldOfView = (50 * Math.PI) / 180;
 
 export interface Axes {
   forward: Triple;
@@ -31,6 +31,8 @@ export class Viewpoint {
   /** About the view, clockwise as it is seen; only while a photograph is looked through [rad]. */
   roll = 0;
   isParallel = false;
+  /** Of the height of the view [rad]; only while a photograph is looked through another one. */
+  fov = fieldOfView;
 
   get axes(): Axes {
     const [s, c, sh, ch] = [Math.sin(this.tilt), Math.cos(this.tilt), Math.sin(this.heading), Math.cos(this.heading)];
@@ -43,7 +45,7 @@ export class Viewpoint {
   }
   /** Half of what the view is high at the target [m]. */
   get halfHeight(): number {
-    return this.distance * Math.tan(fieldOfView / 2);
+    return this.distance * Math.tan(this.fov / 2);
   }
 
   turn(heading: number, tilt: number): void {
@@ -78,16 +80,16 @@ export class Viewpoint {
     this.roll = Math.atan2(dot(up, axes.right), dot(up, axes.up));
   }
 
-  /** Without a roll; seen from above what is up in the view stays up. */
+  /** Without a roll, in the usual field of view; seen from above what is up in the view stays up. */
   level(): void {
     const { up } = this.axes;
     if (this.tilt < 0.6 && this.roll !== 0) this.heading = Math.atan2(up[0], up[1]);
-    this.roll = 0;
+    [this.roll, this.fov] = [0, fieldOfView];
   }
 
   /** All of a sphere. */
   fit(centre: Triple, radius: number): void {
-    [this.target, this.distance] = [centre, Math.max(radius, 0.1) / Math.sin(fieldOfView / 2)];
+    [this.target, this.distance] = [centre, Math.max(radius, 0.1) / Math.sin(this.fov / 2)];
   }
 
   /** A ray through a place of the view: x and y from -1 (left, below) to 1. */
