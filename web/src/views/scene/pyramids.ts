@@ -5,7 +5,8 @@ import {
 } from "three";
 
 import * as api from "../../lib/api";
-import type { ImageInfo } from "../../lib/types";
+import { isInside } from "../../lib/ring";
+import type { ImageInfo, Vector2 } from "../../lib/types";
 import { sum, type Triple } from "./viewpoint";
 
 /** Pictures that are loaded at once, the largest on the screen; each is a tile of 256 px. */
@@ -117,7 +118,7 @@ export class Pyramids {
     for (const one of this.pyramids) {
       const [apex, ...base] = [one.apex, ...one.corners].map(project);
       if (!apex || base.some((corner) => !corner)) continue;
-      const hit = Math.hypot(apex[0] - x, apex[1] - y) < 8 || isInside(base as [number, number][], x, y);
+      const hit = Math.hypot(apex[0] - x, apex[1] - y) < 8 || isInside(base as Vector2[], x, y);
       const away = new Vector3(...one.apex).distanceTo(camera.position);
       if (hit && away < nearest) [best, nearest] = [one, away];
     }
@@ -191,13 +192,4 @@ function edges(pyramids: Pyramid[]): Float32Array {
   return new Float32Array(
     pyramids.flatMap(({ apex, corners }) => corners.flatMap((corner, i) => [...apex, ...corner, ...corner, ...(corners[(i + 1) % 4] as Triple)])),
   );
-}
-
-function isInside(ring: [number, number][], x: number, y: number): boolean {
-  let inside = false;
-  for (let i = 0, j = ring.length - 1; i < ring.length; j = i++) {
-    const [a, b] = [ring[i] as [number, number], ring[j] as [number, number]];
-    if (a[1] > y !== b[1] > y && x < ((b[0] - a[0]) * (y - a[1])) / (b[1] - a[1]) + a[0]) inside = !inside;
-  }
-  return inside;
 }

@@ -6,17 +6,12 @@ import type { CloudRegion } from "../../lib/types";
 import { type CloudHeader, type CloudNode, tree } from "./cloud_file";
 import { sigmaCode, sigmaOfCode } from "./messages";
 import { LeastRecentlyUsed, wantedNodes } from "./octree";
-import { editedClass, isInRing } from "./regions";
+import { editedClass } from "./regions";
 import { RegionDraft } from "./region_draft.svelte";
 import { cross, dot, sum, Viewpoint } from "./viewpoint";
 
 const square: [number, number][] = [[0, 0], [4, 0], [4, 4], [0, 4]];
 const region = (action: CloudRegion["action"], more: Partial<CloudRegion> = {}): CloudRegion => ({ action, class: null, ring: square, low_m: null, high_m: null, ...more });
-
-test("neighbours share points on their side", () => {
-  const right = square.map(([e, n]): [number, number] => [e + 4, n]);
-  for (let n = 0.25; n < 4; n += 0.25) expect(isInRing(square, 4, n)).not.toBe(isInRing(right, 4, n));
-});
 
 test("edits come one after the other, and heights of their ends belong to them", () => {
   const edits = [region("classify", { class: 6 }), region("classify", { class: 2, high_m: 1 }), region("cut", { low_m: 5, high_m: 6 })];
