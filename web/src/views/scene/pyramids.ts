@@ -11,8 +11,8 @@ import { sum, type Triple } from "./viewpoint";
 
 /** Pictures that are loaded at once, the largest on the screen; each is a tile of 256 px. */
 const mostPictures = 48;
-/** Smaller ones show no picture. */
-const leastPixels = 20;
+/** Smaller ones show no picture: seen from afar they would hide the cloud below. */
+const leastPixels = 160;
 const tilePixels = 256;
 
 export interface Pyramid {
@@ -83,8 +83,8 @@ export class Pyramids {
     for (const [id, one] of wanted) if (!this.#pictures.has(id)) this.#show(one);
   }
 
-  /** Lays the photograph over everything, for who looks from its projection centre; the others are hidden. */
-  cover(one: Pyramid | undefined): void {
+  /** Lays the photograph over everything, so many times its pyramid's height away, for who looks from its projection centre; the others are hidden. */
+  cover(one: Pyramid | undefined, heights = 1): void {
     this.#lines.visible = !one;
     for (const mesh of this.#pictures.values()) mesh.visible = !one;
     this.#cover?.geometry.dispose();
@@ -93,7 +93,7 @@ export class Pyramids {
     if (this.#cover) this.group.remove(this.#cover);
     this.#cover = undefined;
     if (!one) return;
-    const mesh = picture(one);
+    const mesh = picture({ ...one, corners: one.corners.map((corner) => sum(one.apex, sum(corner, one.apex, -1), heights)) as Pyramid["corners"] });
     [mesh.material.depthTest, mesh.material.depthWrite, mesh.renderOrder, mesh.visible] = [false, false, 2, false];
     this.#cover = mesh;
     this.group.add(mesh);

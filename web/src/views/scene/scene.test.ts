@@ -8,7 +8,7 @@ import { sigmaCode, sigmaOfCode } from "./messages";
 import { LeastRecentlyUsed, wantedNodes } from "./octree";
 import { editedClass } from "./regions";
 import { RegionDraft } from "./region_draft.svelte";
-import { cross, dot, sum, Viewpoint } from "./viewpoint";
+import { cross, dot, sum, type Triple, Viewpoint } from "./viewpoint";
 
 const square: [number, number][] = [[0, 0], [4, 0], [4, 4], [0, 4]];
 const region = (action: CloudRegion["action"], more: Partial<CloudRegion> = {}): CloudRegion => ({ action, class: null, ring: square, low_m: null, high_m: null, ...more });
@@ -75,6 +75,27 @@ test("rays reach the rim of the view in the field of view that there is, until i
   expect(view.halfHeight).toBeCloseTo(view.distance * Math.tan(0.6), 12);
   view.level();
   expect(half(0, 1)).toBeCloseTo(usual, 12);
+});
+
+test("all of a box is in the view, and touches its rim", () => {
+  const view = new Viewpoint();
+  const [low, high]: [Triple, Triple] = [[-60, 10, 3], [90, 70, 30]];
+  for (const isParallel of [false, true])
+    for (const [heading, tilt, aspect] of [[0, 0.9, 1.3], [0.7, 0, 0.6], [-2, 1.5, 2]] as const) {
+      view.isParallel = isParallel;
+      view.look(heading, tilt);
+      view.fit(low, high, aspect);
+      const { right, up, forward } = view.axes;
+      let farthest = 0;
+      for (const e of [low[0], high[0]])
+        for (const n of [low[1], high[1]])
+          for (const h of [low[2], high[2]]) {
+            const by = sum([e, n, h], view.target, -1);
+            const half = view.halfHeight * (isParallel ? 1 : (view.distance + dot(by, forward)) / view.distance);
+            farthest = Math.max(farthest, Math.abs(dot(by, up)) / half, Math.abs(dot(by, right)) / half / aspect);
+          }
+      expect(farthest).toBeCloseTo(0.95, 9);
+    }
 });
 
 test("axes are square to each other, also with a roll", () => {

@@ -167,11 +167,11 @@ export class Stage {
   fitAll(): void {
     this.#leave();
     const header = this.points.header;
-    const ends = header ? [header.lowest, header.highest].map((one) => sum(one, this.origin, -1)) : this.pyramids.pyramids.map((one) => one.apex);
+    const ends = header ? [header.lowest, header.highest].map((one) => sum(one, this.origin, -1)) : this.pyramids.pyramids.flatMap((one) => [one.apex, ...one.corners]);
     if (!ends.length) return;
     const [low, high] = [Math.min, Math.max].map((end) => [0, 1, 2].map((axis) => end(...ends.map((one) => one[axis] as number)))) as [Triple, Triple];
     this.#radius = Math.max(Math.hypot(...sum(high, low, -1)) / 2, 1);
-    this.view.fit(sum(low, sum(high, low, -1), 0.5), 0.62 * this.#radius);
+    this.view.fit(low, high, this.#size[0] / this.#size[1]);
     this.redraw();
   }
 
@@ -184,7 +184,7 @@ export class Stage {
     this.view.distance = this.#heightAbove(pyramid.apex);
     this.view.target = sum(pyramid.apex, this.view.axes.forward, this.view.distance);
     this.view.fov = 2 * Math.atan(Math.hypot(...up) / 2 / Math.hypot(...forward));
-    this.pyramids.cover(pyramid);
+    this.pyramids.cover(pyramid, this.view.distance / Math.hypot(...forward));
     this.through = pyramid;
     this.redraw();
   }
