@@ -65,6 +65,29 @@ async function clickAll(page, places, features) {
   await page.getByRole("listbox", { name: `${features} features` }).waitFor();
 }
 
+/** A click near a corner of the chosen feature moves nothing; dragged, the corner goes as far as the pointer, wherever it was taken hold of. */
+async function cornerDragged(page, get) {
+  const screen = await onScreen(page); // with other tools the map lies elsewhere
+  const corner = async () => screen((await get("drawing")).features[1].vertices[0].position);
+  const [x, y] = await corner();
+  const { number } = await get("edits");
+  await page.mouse.click(x + 4, y);
+  await page.waitForTimeout(500);
+  assert.equal((await get("edits")).number, number);
+  const asked = page.waitForResponse((response) => response.request().method() === "POST" && response.url().endsWith("/edits"));
+  await page.mouse.move(x + 4, y);
+  await page.mouse.down();
+  await page.mouse.move(x + 24, y - 10, { steps: 4 });
+  await page.mouse.up();
+  await asked;
+  const off = Math.hypot(...(await corner()).map((value, axis) => value - [x + 20, y - 10][axis]));
+  assert.ok(off < 1.5, `${off} px`); // the pointer is at whole pixels
+  // No feature is chosen then: of one that is undone no figures are asked for.
+  const box = await page.getByRole("application").boundingBox();
+  await page.mouse.click(box.x + box.width - 30, box.y + box.height - 30);
+  await page.getByRole("heading", { name: /^F2/ }).waitFor({ state: "detached" });
+}
+
 export const drawingTests = {
   // Of 12 coordinates that err independently 10 and more lie within two standard deviations but once in 500; errors of poses are alike.
   async "corners of a roof lie within two standard deviations, by marks in two photographs, in one, and on the map"({ page, context, folder, project }) {
@@ -148,6 +171,8 @@ export const drawingTests = {
       if (file.endsWith("gpkg")) assert.match(info.stdout, /32633/);
       else assert.match(info.stdout, /Feature Count: 2/);
     }
+
+    await cornerDragged(page, get);
 
     await page.getByRole("application").focus();
     for (let edits = (await get("edits")).number - before; edits > 0; --edits) {

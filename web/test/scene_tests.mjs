@@ -40,6 +40,46 @@ const settled = async (page) => {
   await page.waitForTimeout(400);
 };
 
+/** Where control points lie on the map. */
+const controlOf = async (page, project) =>
+  (await page.evaluate(async (path) => (await fetch(path)).json(), `/api/projects/${project.id}/control`)).points
+    .filter((one) => one.role === "control").map((one) => one.adjusted ?? one.position);
+
+/** Middles of the marks of control points on the screen, each a ring of its colour; shading by depth changes that. */
+async function marksOnScreen(page) {
+  const bytes = await scene(page).screenshot();
+  const box = await scene(page).boundingBox();
+  const middles = await page.evaluate(async (base64) => {
+    const bytes = Uint8Array.from(atob(base64), (one) => one.charCodeAt(0));
+    const bitmap = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
+    const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
+    context.drawImage(bitmap, 0, 0);
+    const { data } = context.getImageData(0, 0, bitmap.width, bitmap.height);
+    const rings = [];
+    for (let i = 0; i < data.length; i += 4) {
+      if (Math.max(Math.abs(data[i] - 194), Math.abs(data[i + 1] - 24), Math.abs(data[i + 2] - 91)) > 24) continue;
+      const [x, y] = [(i / 4) % bitmap.width, Math.floor(i / 4 / bitmap.width)];
+      const ring = rings.find((one) => Math.hypot(one[0][0] - x, one[0][1] - y) < 20);
+      if (ring) ring.push([x, y]);
+      else rings.push([[x, y]]);
+    }
+    const middle = (ring, axis) => (Math.min(...ring.map((one) => one[axis])) + Math.max(...ring.map((one) => one[axis])) + 1) / 2;
+    return rings.filter((ring) => ring.length > 20).map((ring) => [middle(ring, 0), middle(ring, 1)]);
+  }, bytes.toString("base64"));
+  return middles.map(([x, y]) => [box.x + x, box.y + y]);
+}
+
+/** E, N, H and the standard deviation of the point at a place of the screen; nothing where there is none. */
+async function pickAt(page, x, y) {
+  await page.mouse.move(x + 40, y);
+  await page.waitForTimeout(150);
+  const before = await readout(page).innerText();
+  await page.mouse.move(x, y);
+  for (let i = 0; i < 40 && (await readout(page).innerText()) === before; ++i) await page.waitForTimeout(25);
+  const picked = [...(await readout(page).innerText()).replaceAll("±", "").matchAll(/\d+\.\d+/g)].slice(0, 4).map(Number);
+  return picked.length === 4 ? picked : undefined;
+}
+
 const building = [217, 72, 59]; // class 6
 const ground = [168, 120, 72]; // class 2
 
@@ -64,22 +104,36 @@ export const sceneTests = {
   },
 
   // The surface is computed from this cloud: where it is level it has the height of the points in a cell of it.
-  async "what is picked lies on the surface"({ page, folder }) {
+  async "what is picked lies on the surface"({ page, folder, project }) {
     await page.getByLabel("Coloured by").selectOption("colour");
     await page.getByRole("button", { name: "Top" }).click();
     await page.getByRole("button", { name: "Parallel" }).click();
     await settled(page);
     const box = await scene(page).boundingBox();
     const misses = [];
+    const picks = [];
     for (const [x, y] of [[0.5, 0.5], [0.45, 0.55], [0.55, 0.45], [0.42, 0.42], [0.58, 0.58]]) {
-      await page.mouse.move(box.x + x * box.width + 3, box.y + y * box.height);
-      const before = await readout(page).innerText();
-      await page.mouse.move(box.x + x * box.width, box.y + y * box.height);
-      for (let i = 0; i < 40 && (await readout(page).innerText()) === before; ++i) await page.waitForTimeout(25);
-      const [e, n, h, sigma] = [...(await readout(page).innerText()).replaceAll("±", "").matchAll(/\d+\.\d+/g)].map(Number);
+      const at = [box.x + x * box.width, box.y + y * box.height];
+      const [e, n, h, sigma] = await pickAt(page, ...at);
       assert.ok(sigma > 0 && sigma < 1, `sigma ${sigma}`);
       misses.push(Math.abs((await readValue(join(folder, "products/dsm.tif"), e, n)) - h));
+      picks.push([at, [e, n]]);
     }
+    // Marks of control points say where the map is on the screen: seen from above E grows to the right as N grows upwards.
+    await page.getByLabel("Control and check points", { exact: true }).check();
+    await settled(page);
+    const control = await controlOf(page, project);
+    const marks = await marksOnScreen(page);
+    assert.equal(marks.length, control.length);
+    const ends = [control.reduce((a, b) => (a[0] - a[1] < b[0] - b[1] ? a : b)), control.reduce((a, b) => (a[0] - a[1] > b[0] - b[1] ? a : b))];
+    const shown = [marks.reduce((a, b) => (a[0] + a[1] < b[0] + b[1] ? a : b)), marks.reduce((a, b) => (a[0] + a[1] > b[0] + b[1] ? a : b))];
+    const perPixel = Math.hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]) / Math.hypot(shown[1][0] - shown[0][0], shown[1][1] - shown[0][1]);
+    const mapAt = ([x, y]) => [ends[0][0] + perPixel * (x - shown[0][0]), ends[0][1] - perPixel * (y - shown[0][1])];
+    // A mark is found to a pixel, and of the points about a pixel, a cell of the surface from each other, the higher one may be taken.
+    const reach = 2 * perPixel + 2 * 0.16;
+    const off = Math.max(...picks.map(([at, place]) => Math.hypot(...mapAt(at).map((value, axis) => value - place[axis]))));
+    assert.ok(off < reach, `${off} m from where the pixel is, of ${reach}`);
+    await page.getByLabel("Control and check points", { exact: true }).uncheck();
     // A cell of 0.16 m has the height of several points; beside a wall it is that of the roof.
     assert.ok(misses.filter((miss) => miss < 0.3).length >= 3, `${misses} m off the surface`);
   },
@@ -87,11 +141,20 @@ export const sceneTests = {
   async "a distance between points comes with its standard deviation"({ page }) {
     await page.getByRole("button", { name: "Measure" }).click();
     const box = await scene(page).boundingBox();
+    const picks = [];
     for (const x of [0.46, 0.54]) {
-      await page.mouse.click(box.x + x * box.width, box.y + 0.5 * box.height);
+      const at = [box.x + x * box.width, box.y + 0.5 * box.height];
+      picks.push(await pickAt(page, ...at));
+      await page.mouse.click(...at);
       await page.getByRole("status").getByText(x === 0.46 ? /^1 / : /^2 /).waitFor();
     }
-    await page.getByText(/\d+\.\d+ m? ?± 0\.\d+ m/).first().waitFor();
+    const text = await page.locator("aside dl dt").filter({ hasText: /^Distance$/ }).locator("+ dd").innerText();
+    const [, distance, sigma] = /^(\d+\.\d+) ± (0\.\d+) m$/.exec(text) ?? assert.fail(text);
+    const [a, b] = picks;
+    const apart = Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+    // Coordinates are shown to a centimetre: each of three differences is good to one.
+    assert.ok(Math.abs(Number(distance) - apart) < Math.sqrt(3) * 0.01 + 0.005, `${text}: ${apart}`);
+    assert.ok(Number(sigma) > 0.5 * Math.min(a[3], b[3]) && Number(sigma) < a[3] + b[3], `${text}: ${a[3]} and ${b[3]}`);
     await page.keyboard.press("Escape");
     await page.keyboard.press("Escape");
   },
@@ -150,6 +213,20 @@ export const sceneTests = {
     await settled(page);
     await page.screenshot({ path: join(shots, "scene-through.png") });
     await page.getByRole("button", { name: "Leave its view" }).waitFor();
+    // Also in the field of view of a photograph what is picked at a mark is where the control point lies.
+    await page.getByLabel("Control and check points", { exact: true }).check();
+    await page.getByLabel("Shading by depth").uncheck();
+    await settled(page);
+    const control = await controlOf(page, project);
+    const marks = await marksOnScreen(page);
+    assert.ok(marks.length > 0, "a control point is seen");
+    const offs = [];
+    for (const mark of marks) {
+      const picked = await pickAt(page, ...mark);
+      if (picked) offs.push(Math.min(...control.map((place) => Math.hypot(...place.map((value, axis) => value - picked[axis])))));
+    }
+    // A mark is found to a pixel of 0.2 m, and points lie a cell of 0.16 m from each other.
+    assert.ok(offs.length > 0 && offs.every((off) => off < 0.5), `${offs} m off`);
     await page.getByRole("button", { name: "Open in Photographs" }).click();
     await page.waitForURL(new RegExp(`#/${project.id}/photographs/\\d+$`));
   },

@@ -138,7 +138,11 @@ export const stereoTests = {
     }
     await page.keyboard.press("Enter");
     let entries = [];
-    while (entries.length === 0) ({ entries } = await ask(page, `/api/projects/${project.id}/edits?since=${number}`));
+    for (let k = 0; k < 100 && entries.length === 0; ++k) {
+      await page.waitForTimeout(50);
+      ({ entries } = await ask(page, `/api/projects/${project.id}/edits?since=${number}`));
+    }
+    assert.ok(entries.length > 0, "nothing was drawn");
     const { command } = entries.at(-1);
     assert.equal(command[0], "draw");
     assert.equal(command.filter((word) => word === "stereo").length, 3);

@@ -84,5 +84,11 @@ export const ground = (id: string, images: Vector2, mark: StereoMark, search_px:
 
 /** The address of a file of a project, for links and readers by range. */
 export const fileAddress = (id: string, path: string): string => `${base(id)}/files/${path.split("/").map(encodeURIComponent).join("/")}`;
+/** What changes when the file does. */
+export async function fileTag(id: string, path: string): Promise<string> {
+  const response = await fetch(fileAddress(id, path), { method: "HEAD" });
+  if (!response.ok) throw new Refused(response.statusText || String(response.status), response.status);
+  return response.headers.get("ETag") ?? "";
+}
 /** The address of a tile of a photograph, with {z}, {x} and {y} left open. */
 export const tileAddress = (id: string, image: number): string => `${base(id)}/images/${image}/tiles/{z}/{x}/{y}.jpg`;

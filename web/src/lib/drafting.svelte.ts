@@ -31,6 +31,12 @@ const moved = (vertex: DraftVertex, position: Vector3): DraftVertex => ({
   ...vertex, position, source: "typed", marks: [], asked: { at: position, sigma_m: vertex.sigma_m, source: "typed" },
 });
 
+/** A step of a figure that waits for its answer. */
+interface Turn {
+  /** Taken back meanwhile: its answer changes nothing. */
+  isDropped: boolean;
+}
+
 class Drafting {
   project = $state("");
   tool = $state<Tool>("none");
@@ -45,8 +51,9 @@ class Drafting {
   vertices = $state.raw<DraftVertex[]>([]);
   /** Why the last vertex or feature was refused. */
   error = $state("");
-  busy = $state(false);
   #queue: Promise<unknown> = Promise.resolve();
+  /** What was asked for and is not answered yet, in its order. */
+  #turns: Turn[] = [];
 
   /** Whether a figure has been begun. */
   get active(): boolean {
@@ -55,11 +62,6 @@ class Drafting {
   /** Whether clicks of a view are vertices. */
   get takes(): boolean {
     return this.tool !== "none";
-  }
-
-  begin(project: string, layer: string, kind: FeatureKind): void {
-    [this.project, this.layer, this.kind, this.tool] = [project, layer, kind, "draw"];
-    this.cancel();
   }
 
   /** What was asked for before in another project is dropped. */
@@ -71,53 +73,52 @@ class Drafting {
 
   /** Adds a vertex behind those that were asked for before it; false: there is none, and `error` says why. A point is finished with its first. */
   add(asked: AskedVertex): Promise<boolean> {
-    return this.#inTurn(async () => {
-      const vertex = await this.#answered(asked);
-      if (!vertex) return false;
-      const [a, b] = this.vertices.slice(-2);
-      const squares = this.square && a && b && !("feature" in asked);
-      this.vertices = [...this.vertices, squares ? moved(vertex, [...squared(a.position, b.position, vertex.position), vertex.position[2]]) : vertex];
-      if (this.tool === "draw" && this.kind === "point") await this.#save();
-      return true;
-    });
+    return this.#inTurn(false, (turn) => this.#append(asked, turn));
   }
 
   /** Marks the last vertex in one more photograph: two and more are intersected. Without one, or where that was no mark, a vertex of its own. */
   mark(one: AskedMark, again: boolean): Promise<boolean> {
-    const last = this.vertices.at(-1);
-    if (!again || !last || !("marks" in last.asked)) return this.add({ marks: [one] });
-    const marks = [...last.asked.marks.filter((mark) => mark.image !== one.image), one];
-    return this.#inTurn(async () => {
-      const vertex = await this.#answered({ marks });
+    return this.#inTurn(false, async (turn) => {
+      const last = this.vertices.at(-1);
+      if (!again || !last || !("marks" in last.asked)) return await this.#append({ marks: [one] }, turn);
+      const marks = [...last.asked.marks.filter((mark) => mark.image !== one.image), one];
+      const vertex = await this.#answered({ marks }, turn);
       if (vertex) this.vertices = [...this.vertices.slice(0, -1), vertex];
       return vertex !== undefined;
     });
   }
 
+  /** Takes back what was asked for last, or the last vertex. */
   back(): void {
-    this.vertices = this.vertices.slice(0, -1);
+    const last = this.#turns.filter((turn) => !turn.isDropped).at(-1);
+    if (last) last.isDropped = true;
+    else this.vertices = this.vertices.slice(0, -1);
     this.error = "";
   }
 
   cancel(): void {
+    for (const turn of this.#turns) turn.isDropped = true;
     this.vertices = [];
     this.error = "";
   }
 
-  /** The fourth corner of three, or the way back to the first vertex; a polygon is finished. */
+  /** The fourth corner of three, or the way back to the first vertex; a polygon is finished. Refused, the figure stays as it was. */
   close(): Promise<string | null> {
-    return this.#inTurn(async () => {
+    return this.#inTurn(null, async (turn) => {
       const [a, b, c] = this.vertices;
-      if (this.square && this.vertices.length === 3 && a && b && c)
-        this.vertices = [...this.vertices, moved(c, fourth(a, b, c))];
-      if (this.kind === "line" && a) this.vertices = [...this.vertices, a];
-      return await this.#save();
+      if (this.tool !== "draw") return null;
+      if (!a || !b || !c) {
+        this.error = "few";
+        return null;
+      }
+      const corners = this.square && this.vertices.length === 3 ? [...this.vertices, moved(c, fourth(a, b, c))] : this.vertices;
+      return await this.#save(turn, this.kind === "line" ? [...corners, a] : corners);
     });
   }
 
   /** Draws it; its id, or null where it is refused. */
   finish(): Promise<string | null> {
-    return this.#inTurn(() => this.#save());
+    return this.#inTurn(null, (turn) => this.#save(turn));
   }
 
   /** Draws a feature anew, with other vertices. */
@@ -141,38 +142,56 @@ class Drafting {
     return await this.#answered(asked);
   }
 
-  async #save(): Promise<string | null> {
+  async #append(asked: AskedVertex, turn: Turn): Promise<boolean> {
+    const vertex = await this.#answered(asked, turn);
+    if (!vertex) return false;
+    const [a, b] = this.vertices.slice(-2);
+    const squares = this.square && a && b && !("feature" in asked);
+    this.vertices = [...this.vertices, squares ? moved(vertex, [...squared(a.position, b.position, vertex.position), vertex.position[2]]) : vertex];
+    if (this.tool === "draw" && this.kind === "point") await this.#save(turn);
+    return true;
+  }
+
+  async #save(turn: Turn, vertices = this.vertices): Promise<string | null> {
     if (this.tool !== "draw") return null;
-    if (this.vertices.length < least[this.kind]) {
+    if (vertices.length < least[this.kind]) {
       this.error = "few";
       return null;
     }
-    const command = drawCommand("*", this.layer, this.kind, this.vertices);
+    this.#over(turn); // what is sent cannot be taken back
+    const [project, code] = [this.project, this.code];
+    const command = drawCommand("*", this.layer, this.kind, vertices);
     if (!(await this.edit(command))) return null;
     this.vertices = [];
-    const id = (await api.drawing(this.project).catch(() => undefined))?.features.at(-1)?.id ?? null;
-    if (id && this.code) await this.edit(["attribute", id, "code", this.code]);
+    const id = (await api.drawing(project).catch(() => undefined))?.features.at(-1)?.id ?? null;
+    if (id && code && this.project === project) await this.edit(["attribute", id, "code", code]);
     return id;
   }
 
-  async #answered(asked: AskedVertex): Promise<DraftVertex | undefined> {
+  async #answered(asked: AskedVertex, turn?: Turn): Promise<DraftVertex | undefined> {
     try {
       const [answer] = (await api.vertices(this.project, [asked])).vertices;
+      if (turn?.isDropped) return undefined;
       if (!answer || "error" in answer) throw new Error(answer?.error ?? "");
       this.error = "";
       return { ...answer, asked };
     } catch (error) {
-      this.error = api.messageOf(error);
+      if (!turn?.isDropped) this.error = api.messageOf(error);
       return undefined;
     }
   }
 
-  /** Clicks come faster than answers: each waits for the one before it. */
-  #inTurn<T>(work: () => Promise<T>): Promise<T> {
-    this.busy = true;
-    const next = this.#queue.then(work);
-    this.#queue = next.catch(() => {}).finally(() => (this.busy = false));
+  /** Clicks come faster than answers: each waits for the one before it, unless it is taken back meanwhile; then its answer is `none`. */
+  #inTurn<T>(none: T, work: (turn: Turn) => Promise<T>): Promise<T> {
+    const turn: Turn = { isDropped: false };
+    this.#turns.push(turn);
+    const next = this.#queue.then(() => (turn.isDropped ? none : work(turn)));
+    this.#queue = next.catch(() => {}).finally(() => this.#over(turn));
     return next;
+  }
+
+  #over(turn: Turn): void {
+    this.#turns = this.#turns.filter((one) => one !== turn);
   }
 }
 

@@ -2,16 +2,6 @@
 // An outline that is being drawn: of a mask in a photograph, of a patch on the map.
 import type { Vector2 } from "./types";
 
-/** Whether a place lies inside: behind an odd number of sides. */
-export function isInRing([x, y]: Vector2, ring: readonly Vector2[]): boolean {
-  let inside = false;
-  for (let i = 0, j = ring.length - 1; i < ring.length; j = i++) {
-    const [a, b] = [ring[i] as Vector2, ring[j] as Vector2];
-    if (a[1] > y !== b[1] > y && x > a[0] + ((y - a[1]) / (b[1] - a[1])) * (b[0] - a[0])) inside = !inside;
-  }
-  return inside;
-}
-
 /** The first name of a kind, A1, A2, .., that is not taken. */
 export function freeName(kind: string, taken: readonly string[]): string {
   let number = 1;

@@ -1,20 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from "vitest";
 
-import { freeName, isInRing, Outline } from "./outline.svelte";
+import { freeName, Outline } from "./outline.svelte";
 import type { Vector2 } from "./types";
 
 describe("an outline", () => {
-  const ring: Vector2[] = [[0, 0], [10, 0], [10, 10], [5, 2], [0, 10]]; // with a notch from below
-
-  it("knows what lies inside", () => {
-    expect(isInRing([1, 5], ring)).toBe(true);
-    expect(isInRing([9, 5], ring)).toBe(true);
-    expect(isInRing([5, 5], ring)).toBe(false); // in the notch
-    expect(isInRing([5, 1], ring)).toBe(true);
-    expect(isInRing([-1, 5], ring)).toBe(false);
-    expect(isInRing([1, 1], [])).toBe(false);
-  });
+  const ring: Vector2[] = [[0, 0], [10, 0], [10, 10], [5, 2], [0, 10]];
 
   it("is finished with three points, and says them in words", () => {
     const outline = new Outline();

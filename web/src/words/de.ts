@@ -43,7 +43,6 @@ export const de: Record<Key, string> = {
   "status.progress": "Fortschritt des laufenden Auftrags",
 
   // Project
-  "project.title": "Projekt",
   "project.images": "Bilder",
   "project.oriented_of": "{images}, davon {oriented} orientiert",
   "project.cameras": "Kameras",

@@ -41,7 +41,6 @@ export const en = {
   "status.progress": "Progress of the job in work",
 
   // Project
-  "project.title": "Project",
   "project.images": "images",
   "project.oriented_of": "{images}, {oriented} oriented",
   "project.cameras": "cameras",

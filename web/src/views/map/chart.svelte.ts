@@ -14,6 +14,7 @@ import proj4 from "proj4";
 
 import * as api from "../../lib/api";
 import { drafting } from "../../lib/drafting.svelte";
+import { drawing } from "../../lib/drawing.svelte";
 import { Outline } from "../../lib/outline.svelte";
 import { station } from "../../lib/station.svelte";
 import type { ControlPoint, ImageInfo, MapInfo, Patch, Project, Vector2 } from "../../lib/types";
@@ -96,7 +97,7 @@ export class Chart {
   readonly #rasters = new Map<string, Promise<Raster>>();
   readonly #marker = marker();
   readonly #drawn = patchLayers();
-  readonly sketch = new Sketch();
+  readonly sketch = new Sketch(() => this.patching);
   #map: OlMap | undefined;
   #projection: Projection = new Projection({ code: "collinea-local", units: "m" });
   /** Browsers keep ranges of a file; when it has changed they get all of it instead of the range that they ask for. */
@@ -174,7 +175,7 @@ export class Chart {
 
   setPatching(patching: boolean): void {
     this.patching = patching;
-    if (patching) drafting.tool = "none";
+    if (patching) [drafting.tool, drawing.chosen] = ["none", undefined]; // keys are about the patch
     this.clearOutline();
   }
   clearOutline(): void {
@@ -241,11 +242,12 @@ export class Chart {
     // Vertices come as fast as a person clicks: two clicks are two vertices, and zoom nothing.
     this.#map.on("click", (event) => {
       if (drafting.takes) this.sketch.click(event.coordinate as Vector2, event.pixel);
+      else if (this.patching) this.#corner(event.coordinate as Vector2);
     });
     this.#map.on("dblclick", (event) => {
-      if (drafting.takes) event.stopPropagation();
+      if (drafting.takes || this.patching) event.stopPropagation();
     });
-    this.#map.on("singleclick", (event) => drafting.takes || void this.#click(event.coordinate as Vector2, event.pixel));
+    this.#map.on("singleclick", (event) => drafting.takes || this.patching || void this.#click(event.coordinate as Vector2, event.pixel));
     this.#map.getViewport().addEventListener("pointerleave", () => {
       ++this.#latest;
       this.cursor = undefined;
@@ -388,12 +390,13 @@ export class Chart {
     return mine === this.#latest ? { place, longitude, latitude, height_m, sigma_m } : undefined;
   }
 
+  #corner(place: Vector2): void {
+    this.outline.add(place);
+    this.#drawn.outline(this.outline.points);
+  }
+
   async #click(place: Vector2, pixel: number[] | undefined): Promise<void> {
-    if (this.patching) {
-      this.outline.add(place);
-      this.#drawn.outline(this.outline.points);
-      return;
-    }
+    if (this.patching) return this.#corner(place);
     if (this.sketch.click(place, pixel ?? this.#map?.getPixelFromCoordinate(place) ?? [])) return;
     const at = pixel ?? this.#map?.getPixelFromCoordinate(place) ?? [];
     const near = this.#map?.getFeaturesAtPixel(at, { hitTolerance: 6 }).find((feature) => feature.get("control") !== undefined);

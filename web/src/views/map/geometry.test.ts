@@ -2,18 +2,9 @@
 import { expect, test } from "vitest";
 
 import type { ImageInfo, Vector2 } from "../../lib/types";
-import { contains, ellipseOf, median, roundFactor, seenBy } from "./geometry";
+import { ellipseOf, median, roundFactor, seenBy } from "./geometry";
 
 const square: Vector2[] = [[0, 0], [10, 0], [10, 10], [0, 10]];
-
-test("a place is in a footprint or not, also a concave one", () => {
-  expect(contains(square, [5, 5])).toBe(true);
-  for (const place of [[-1, 5], [11, 5], [5, -1], [5, 11], [20, 20]] as Vector2[]) expect(contains(square, place)).toBe(false);
-  const notch: Vector2[] = [[0, 0], [10, 0], [10, 10], [5, 2], [0, 10]];
-  expect(contains(notch, [5, 5])).toBe(false);
-  expect(contains(notch, [5, 1])).toBe(true);
-  expect(contains([], [0, 0])).toBe(false);
-});
 
 test("who sees a place, the nearest first, those without a footprint not at all", () => {
   const image = (id: number, e: number | null, footprint: Vector2[] | null): ImageInfo => ({

@@ -1,17 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Geometry of the map: plain values in map coordinates [m].
+import { isInside } from "../../lib/ring";
 import type { ImageInfo, Vector2 } from "../../lib/types";
-
-/** Even-odd rule; the ring need not be closed. */
-export function contains(ring: readonly Vector2[], [e, n]: Vector2): boolean {
-  let inside = false;
-  for (let i = 0, j = ring.length - 1; i < ring.length; j = i++) {
-    const [ei, ni] = ring[i] as Vector2;
-    const [ej, nj] = ring[j] as Vector2;
-    if (ni > n !== nj > n && e < ei + ((n - ni) / (nj - ni)) * (ej - ei)) inside = !inside;
-  }
-  return inside;
-}
 
 export interface Seen {
   image: ImageInfo;
@@ -22,7 +12,7 @@ export interface Seen {
 /** The photographs in whose footprint a place lies, the nearest first. */
 export function seenBy(images: readonly ImageInfo[], place: Vector2): Seen[] {
   return images
-    .filter((image) => image.footprint !== null && contains(image.footprint, place))
+    .filter((image) => image.footprint !== null && isInside(image.footprint, ...place))
     .map((image) => ({ image, distance_m: image.position ? Math.hypot(image.position[0] - place[0], image.position[1] - place[1]) : null }))
     .sort((a, b) => (a.distance_m ?? Infinity) - (b.distance_m ?? Infinity) || a.image.id - b.image.id);
 }

@@ -20,6 +20,9 @@ export function paintedColours(bands: Bands, nodata: number | null): Uint8Clampe
 // Viridis (van der Walt and Smith), at equal steps.
 const stops = [0x440154, 0x482878, 0x3e4989, 0x31688e, 0x26828e, 0x1f9e89, 0x35b779, 0x6ece58, 0xb5de2b, 0xfde725];
 
+/** The same as a background of the page, from left to right. */
+export const rampCss = `linear-gradient(to right, ${stops.map((stop) => `#${stop.toString(16).padStart(6, "0")}`).join(", ")})`;
+
 /** A colour of a value in [0, 1]; beyond, that of the end. */
 export function ramp(value: number): [number, number, number] {
   const at = Math.min(Math.max(value, 0), 1) * (stops.length - 1);

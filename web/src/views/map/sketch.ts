@@ -37,13 +37,27 @@ function styles(colour: string, width: number, dash?: number[]): Style[] {
 }
 const corner = new Style({ image: new Circle({ radius: 5, fill: new Fill({ color: "#ffd400" }), stroke: new Stroke({ color: "#222222", width: 2 }) }) });
 
+/** A vertex on its way to another place. */
+interface Drag {
+  feature: string;
+  vertex: number;
+  /** From the pointer to the vertex. */
+  offset: Vector2;
+  place: Vector2;
+  isMoved: boolean;
+}
+
 export class Sketch {
   readonly layer: VectorLayer;
   readonly #source = new VectorSource();
   #map: OlMap | undefined;
-  #dragged: { vertex: number; place: Vector2 } | undefined;
+  /** Those in the hand and those whose answer is awaited. */
+  #drags: Drag[] = [];
+  #held: Drag | undefined;
+  #moves: Promise<void> = Promise.resolve();
 
-  constructor() {
+  /** `isBusy`: clicks are about something else, and nothing is dragged. */
+  constructor(readonly isBusy: () => boolean) {
     this.layer = new VectorLayer({ source: this.#source, zIndex: 8 });
   }
 
@@ -59,7 +73,7 @@ export class Sketch {
     for (const feature of drawing.features) {
       const isChosen = feature.id === drawing.chosen;
       const places = feature.vertices.map(plan);
-      if (isChosen && this.#dragged) places[this.#dragged.vertex] = this.#dragged.place;
+      for (const drag of this.#drags) if (drag.feature === feature.id && drag.vertex < places.length) places[drag.vertex] = drag.place;
       const made = new Feature({ geometry: shape(feature.kind, places), drawn: feature.id });
       made.setStyle(styles(isChosen ? "#ffd400" : drawing.colourOf(feature.layer), isChosen ? 3 : 2));
       this.#source.addFeature(made);
@@ -102,32 +116,39 @@ export class Sketch {
     return new PointerInteraction({
       handleDownEvent: (event) => {
         const feature = drawing.chosenFeature;
-        if (!feature || drafting.takes) return false;
-        const hit = nearestVertex([feature], plan, event.coordinate as Vector2, reach * (event.map.getView().getResolution() ?? 1));
-        if (hit) this.#dragged = { vertex: hit.vertex, place: event.coordinate as Vector2 };
-        return hit !== undefined;
+        if (!feature || drafting.takes || this.isBusy()) return false;
+        const [x, y] = event.coordinate as Vector2;
+        const hit = nearestVertex([feature], plan, [x, y], reach * (event.map.getView().getResolution() ?? 1));
+        if (!hit) return false;
+        const place = plan(feature.vertices[hit.vertex] as Vertex);
+        this.#held = { ...hit, place, offset: [place[0] - x, place[1] - y], isMoved: false };
+        return true;
       },
       handleDragEvent: (event) => {
-        if (this.#dragged) this.#dragged = { ...this.#dragged, place: event.coordinate as Vector2 };
+        const drag = this.#held;
+        if (!drag) return;
+        const [x, y] = event.coordinate as Vector2;
+        drag.place = [x + drag.offset[0], y + drag.offset[1]];
+        if (!drag.isMoved) this.#drags.push(drag);
+        drag.isMoved = true;
         this.paint();
       },
       handleUpEvent: () => {
-        void this.#move();
+        const drag = this.#held;
+        this.#held = undefined;
+        if (drag?.isMoved) this.#moves = this.#moves.then(() => this.#move(drag)); // each on what those before it have made
         return false;
       },
       stopDown: (handled) => handled,
     });
   }
 
-  async #move(): Promise<void> {
-    const [feature, dragged] = [drawing.chosenFeature, this.#dragged];
-    if (!feature || !dragged) return;
-    const from = feature.vertices[dragged.vertex];
-    const still = from && Math.hypot(from.position[0] - dragged.place[0], from.position[1] - dragged.place[1]) < 2 * (this.#map?.getView().getResolution() ?? 1);
-    const vertex = still ? undefined : await drafting.answered({ surface: dragged.place });
-    if (vertex) await drafting.redraw(feature.id, feature.layer, feature.kind, feature.vertices.map((one, index) => (index === dragged.vertex ? vertex : one)));
+  async #move(drag: Drag): Promise<void> {
+    const vertex = await drafting.answered({ surface: drag.place });
+    const feature = drawing.features.find((one) => one.id === drag.feature);
+    if (feature?.vertices[drag.vertex] && vertex) await drafting.redraw(feature.id, feature.layer, feature.kind, feature.vertices.map((one, index) => (index === drag.vertex ? vertex : one)));
     await drawing.load(drafting.project);
-    this.#dragged = undefined;
+    this.#drags = this.#drags.filter((one) => one !== drag);
     this.paint();
   }
 }

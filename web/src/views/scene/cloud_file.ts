@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The head of a cloud that is sorted into an octree (COPC 1.0, Hobu 2021): what it says of itself, and its nodes. Pure functions of bytes.
-
-type Triple = [number, number, number];
+import type { Triple } from "./viewpoint";
 
 export interface CloudHeader {
   points: number;

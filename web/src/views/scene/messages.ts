@@ -2,8 +2,7 @@
 // What the view and its worker say to each other. Positions are in the map unless "relative": then to the middle of their node.
 import type { CloudRegion } from "../../lib/types";
 import type { CloudHeader, CloudNode } from "./cloud_file";
-
-type Triple = [number, number, number];
+import type { Triple } from "./viewpoint";
 
 /** Half of a view ray's cone: `radius_m` at the origin, and so much more for every metre. */
 export interface PickRay {

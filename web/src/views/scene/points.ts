@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The points of the cloud: the nodes that a view wants are loaded by the worker, kept within a budget, and drawn.
-import { BufferAttribute, BufferGeometry, Frustum, Group, Matrix4, Points, Sphere, Vector3, type Camera, type RawShaderMaterial } from "three";
+import { BufferAttribute, BufferGeometry, Frustum, Group, Matrix4, Points, Sphere, Vector3, type Camera, type RawShaderMaterial, type Texture } from "three";
 
+import { Failures } from "../../lib/failures";
 import type { CloudRegion } from "../../lib/types";
 import type { CloudHeader, CloudNode } from "./cloud_file";
 import { type FromWorker, type LoadedNode, type PickRay, type PickedPoint, type Spread, type ToWorker } from "./messages";
@@ -14,6 +15,7 @@ const kept = 1.5;
 
 export interface PointsEvents {
   opened(header: CloudHeader): void;
+  /** Empty: what had failed is there now. */
   failed(why: string): void;
   /** Something is to be drawn anew. */
   changed(): void;
@@ -33,10 +35,10 @@ export class CloudPoints {
   loading = 0;
   readonly #worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
   readonly #events: PointsEvents;
-  readonly #used = new LeastRecentlyUsed();
+  #used = new LeastRecentlyUsed();
   readonly #shown = new Map<number, Points<BufferGeometry, RawShaderMaterial>>();
   readonly #asked = new Set<number>();
-  readonly #broken = new Set<number>();
+  readonly #failures = new Failures<number>();
   readonly #waits = new Map<number, (point: PickedPoint | null) => void>();
   readonly #classes = new Set<number>();
   #nodes: CloudNode[] = [];
@@ -49,7 +51,9 @@ export class CloudPoints {
     this.#worker.onerror = (event) => events.failed(event.message);
   }
 
+  /** Another cloud in the place of the one before it. */
   open(address: string, regions: CloudRegion[]): void {
+    this.#clear();
     this.#say({ open: address, regions });
   }
 
@@ -65,6 +69,7 @@ export class CloudPoints {
       sphere.set(this.#local(node.centre), node.half * Math.sqrt(3));
       return frustum.intersectsSphere(sphere) ? pixels(node) : 0;
     };
+    const now = performance.now();
     this.#wanted = wantedNodes(this.#nodes, seen, this.budget);
     const wanted = new Set(this.#wanted);
     const cancelled = [...this.#asked].filter((index) => !wanted.has(index));
@@ -79,7 +84,7 @@ export class CloudPoints {
         this.#used.use(index, node.points);
         points.visible = this.drawn < most;
         if (points.visible) this.drawn += node.points;
-      } else if (!this.#asked.has(index) && !this.#broken.has(index)) {
+      } else if (!this.#asked.has(index) && !this.#failures.isOff(index, now)) {
         this.#asked.add(index);
         this.#say({ load: index });
       }
@@ -101,9 +106,17 @@ export class CloudPoints {
 
   dispose(): void {
     this.#worker.terminate();
-    for (const index of [...this.#shown.keys()]) this.#forget(index);
+    this.#clear();
+    for (const name of ["ramp", "classes"]) (this.material.uniforms[name]?.value as Texture).dispose();
     this.material.dispose();
     for (const resolve of this.#waits.values()) resolve(null);
+  }
+
+  #clear(): void {
+    for (const index of [...this.#shown.keys()]) this.#forget(index);
+    this.#used = new LeastRecentlyUsed();
+    for (const one of [this.#asked, this.#failures, this.#classes]) one.clear();
+    [this.header, this.#nodes, this.#wanted] = [undefined, [], []];
   }
 
   #say(message: ToWorker): void {
@@ -116,24 +129,33 @@ export class CloudPoints {
 
   #heard(message: FromWorker): void {
     if ("opened" in message) {
+      this.#clear();
       [this.header, this.#nodes] = [message.opened, message.nodes];
       this.#events.opened(message.opened);
     } else if ("failed" in message) this.#events.failed(message.failed);
-    else if ("loaded" in message) this.#take(message.loaded);
-    else if ("missed" in message) {
-      this.#broken.add(message.missed);
-      this.#asked.delete(message.missed);
-      this.#events.failed(message.why);
-    } else if ("edited" in message) this.#repaint(message.edited, message.colours, message.traits);
-    else {
+    else if ("picked" in message) {
       this.#waits.get(message.ask)?.(message.picked);
       this.#waits.delete(message.ask);
-    }
+    } else if (!this.header) return; // of the cloud before this one
+    else if ("loaded" in message) this.#take(message.loaded);
+    else if ("missed" in message) this.#missed(message.missed, message.why);
+    else this.#repaint(message.edited, message.colours, message.traits);
+  }
+
+  #missed(index: number, why: string): void {
+    this.#asked.delete(index);
+    const wait_ms = this.#failures.failed(index, performance.now());
+    if (wait_ms !== undefined) setTimeout(() => this.#events.changed(), wait_ms);
+    this.#events.failed(why);
   }
 
   #take(loaded: LoadedNode): void {
     const node = this.#nodes[loaded.node] as CloudNode;
     this.#asked.delete(loaded.node);
+    if (this.#failures.size) {
+      this.#failures.succeeded(loaded.node);
+      if (!this.#failures.size) this.#events.failed("");
+    }
     const geometry = new BufferGeometry();
     const positions = new BufferAttribute(loaded.positions, 3);
     positions.onUpload(function (this: BufferAttribute) {
@@ -150,20 +172,21 @@ export class CloudPoints {
     this.#shown.set(loaded.node, points);
     this.group.add(points);
     this.#used.use(loaded.node, node.points);
-    this.#note(loaded.traits);
+    this.#note(loaded.colours, loaded.traits);
     if (loaded.spread) this.#events.spread(loaded.spread);
     this.#events.changed();
   }
 
-  #note(traits: Uint8Array): void {
+  /** Classes of the points that are left. */
+  #note(colours: Uint8Array, traits: Uint8Array): void {
     const before = this.#classes.size;
-    for (let i = 0; i < traits.length; i += 4) this.#classes.add(traits[i] as number);
+    for (let i = 0; i < traits.length; i += 4) if (colours[i + 3]) this.#classes.add(traits[i] as number);
     if (this.#classes.size > before) this.#events.classes([...this.#classes].sort((a, b) => a - b));
   }
 
   #repaint(index: number, colours: Uint8Array, traits: Uint8Array): void {
     const geometry = this.#shown.get(index)?.geometry;
-    this.#note(traits);
+    this.#note(colours, traits);
     if (!geometry) return;
     for (const [name, values] of [["colour", colours], ["traits", traits]] as const) {
       const attribute = geometry.getAttribute(name) as BufferAttribute;

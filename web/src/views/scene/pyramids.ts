@@ -5,13 +5,14 @@ import {
 } from "three";
 
 import * as api from "../../lib/api";
-import type { ImageInfo } from "../../lib/types";
+import { isInside } from "../../lib/ring";
+import type { ImageInfo, Vector2 } from "../../lib/types";
 import { sum, type Triple } from "./viewpoint";
 
 /** Pictures that are loaded at once, the largest on the screen; each is a tile of 256 px. */
 const mostPictures = 48;
-/** Smaller ones show no picture. */
-const leastPixels = 20;
+/** Smaller ones show no picture: seen from afar they would hide the cloud below. */
+const leastPixels = 160;
 const tilePixels = 256;
 
 export interface Pyramid {
@@ -82,8 +83,8 @@ export class Pyramids {
     for (const [id, one] of wanted) if (!this.#pictures.has(id)) this.#show(one);
   }
 
-  /** Lays the photograph over everything, for who looks from its projection centre; the others are hidden. */
-  cover(one: Pyramid | undefined): void {
+  /** Lays the photograph over everything, so many times its pyramid's height away, for who looks from its projection centre; the others are hidden. */
+  cover(one: Pyramid | undefined, heights = 1): void {
     this.#lines.visible = !one;
     for (const mesh of this.#pictures.values()) mesh.visible = !one;
     this.#cover?.geometry.dispose();
@@ -92,7 +93,7 @@ export class Pyramids {
     if (this.#cover) this.group.remove(this.#cover);
     this.#cover = undefined;
     if (!one) return;
-    const mesh = picture(one);
+    const mesh = picture({ ...one, corners: one.corners.map((corner) => sum(one.apex, sum(corner, one.apex, -1), heights)) as Pyramid["corners"] });
     [mesh.material.depthTest, mesh.material.depthWrite, mesh.renderOrder, mesh.visible] = [false, false, 2, false];
     this.#cover = mesh;
     this.group.add(mesh);
@@ -117,7 +118,7 @@ export class Pyramids {
     for (const one of this.pyramids) {
       const [apex, ...base] = [one.apex, ...one.corners].map(project);
       if (!apex || base.some((corner) => !corner)) continue;
-      const hit = Math.hypot(apex[0] - x, apex[1] - y) < 8 || isInside(base as [number, number][], x, y);
+      const hit = Math.hypot(apex[0] - x, apex[1] - y) < 8 || isInside(base as Vector2[], x, y);
       const away = new Vector3(...one.apex).distanceTo(camera.position);
       if (hit && away < nearest) [best, nearest] = [one, away];
     }
@@ -191,13 +192,4 @@ function edges(pyramids: Pyramid[]): Float32Array {
   return new Float32Array(
     pyramids.flatMap(({ apex, corners }) => corners.flatMap((corner, i) => [...apex, ...corner, ...corner, ...(corners[(i + 1) % 4] as Triple)])),
   );
-}
-
-function isInside(ring: [number, number][], x: number, y: number): boolean {
-  let inside = false;
-  for (let i = 0, j = ring.length - 1; i < ring.length; j = i++) {
-    const [a, b] = [ring[i] as [number, number], ring[j] as [number, number]];
-    if (a[1] > y !== b[1] > y && x < ((b[0] - a[0]) * (y - a[1])) / (b[1] - a[1]) + a[0]) inside = !inside;
-  }
-  return inside;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A region of the cloud that is being chosen, and the command of the journal that it becomes.
+import { drawing } from "../../lib/drawing.svelte";
 import type { Overlay } from "./overlays";
 import { sum, type Triple } from "./viewpoint";
 
@@ -28,7 +29,7 @@ export class RegionDraft {
   }
 
   begin(): void {
-    [this.isActive, this.corners] = [true, []];
+    [this.isActive, this.corners, drawing.chosen] = [true, [], undefined]; // keys are about the region
   }
   end(): void {
     [this.isActive, this.corners] = [false, []];

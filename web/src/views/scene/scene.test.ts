@@ -1,21 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
 
+import { drawing } from "../../lib/drawing.svelte";
 import type { CloudRegion } from "../../lib/types";
 import { type CloudHeader, type CloudNode, tree } from "./cloud_file";
 import { sigmaCode, sigmaOfCode } from "./messages";
 import { LeastRecentlyUsed, wantedNodes } from "./octree";
-import { editedClass, isInRing } from "./regions";
+import { editedClass } from "./regions";
 import { RegionDraft } from "./region_draft.svelte";
-import { cross, dot, sum, Viewpoint } from "./viewpoint";
+import { cross, dot, sum, type Triple, Viewpoint } from "./viewpoint";
 
 const square: [number, number][] = [[0, 0], [4, 0], [4, 4], [0, 4]];
 const region = (action: CloudRegion["action"], more: Partial<CloudRegion> = {}): CloudRegion => ({ action, class: null, ring: square, low_m: null, high_m: null, ...more });
-
-test("neighbours share points on their side", () => {
-  const right = square.map(([e, n]): [number, number] => [e + 4, n]);
-  for (let n = 0.25; n < 4; n += 0.25) expect(isInRing(square, 4, n)).not.toBe(isInRing(right, 4, n));
-});
 
 test("edits come one after the other, and heights of their ends belong to them", () => {
   const edits = [region("classify", { class: 6 }), region("classify", { class: 2, high_m: 1 }), region("cut", { low_m: 5, high_m: 6 })];
@@ -69,6 +65,39 @@ test("a place that is zoomed about, or held, stays where it is", () => {
   }
 });
 
+test("rays reach the rim of the view in the field of view that there is, until it is levelled", () => {
+  const view = new Viewpoint();
+  const half = (x: number, y: number): number => Math.acos(dot(view.ray(x, y, 1).direction, view.axes.forward));
+  const usual = half(0, 1);
+  view.lookAlong([0.1, -0.2, -1], [0.9, 0.3, 0]);
+  view.fov = 1.2;
+  for (const [x, y] of [[0, 1], [0, -1], [1, 0]] as const) expect(half(x, y)).toBeCloseTo(0.6, 12);
+  expect(view.halfHeight).toBeCloseTo(view.distance * Math.tan(0.6), 12);
+  view.level();
+  expect(half(0, 1)).toBeCloseTo(usual, 12);
+});
+
+test("all of a box is in the view, and touches its rim", () => {
+  const view = new Viewpoint();
+  const [low, high]: [Triple, Triple] = [[-60, 10, 3], [90, 70, 30]];
+  for (const isParallel of [false, true])
+    for (const [heading, tilt, aspect] of [[0, 0.9, 1.3], [0.7, 0, 0.6], [-2, 1.5, 2]] as const) {
+      view.isParallel = isParallel;
+      view.look(heading, tilt);
+      view.fit(low, high, aspect);
+      const { right, up, forward } = view.axes;
+      let farthest = 0;
+      for (const e of [low[0], high[0]])
+        for (const n of [low[1], high[1]])
+          for (const h of [low[2], high[2]]) {
+            const by = sum([e, n, h], view.target, -1);
+            const half = view.halfHeight * (isParallel ? 1 : (view.distance + dot(by, forward)) / view.distance);
+            farthest = Math.max(farthest, Math.abs(dot(by, up)) / half, Math.abs(dot(by, right)) / half / aspect);
+          }
+      expect(farthest).toBeCloseTo(0.95, 9);
+    }
+});
+
 test("axes are square to each other, also with a roll", () => {
   const view = new Viewpoint();
   view.lookAlong([0.1, -0.2, -1], [0.9, 0.3, 0]);
@@ -80,6 +109,9 @@ test("axes are square to each other, also with a roll", () => {
 
 test("a region becomes the command of the journal", () => {
   const draft = new RegionDraft();
+  drawing.chosen = "F1";
+  draft.begin();
+  expect(drawing.chosen).toBeUndefined(); // Delete is not about a feature
   for (const [e, n] of square) draft.add([e, n, 0]);
   [draft.low, draft.class] = ["−2,5", 6];
   expect(draft.isReady).toBe(true);

@@ -12,7 +12,7 @@ import { Overlay, showControl } from "./overlays";
 import { CloudPoints } from "./points";
 import { type Pyramid, Pyramids, pyramidHeight, pyramidsOf } from "./pyramids";
 import { type Colouring, colourings, shadingMaterial } from "./shaders";
-import { fieldOfView, sum, type Triple, Viewpoint } from "./viewpoint";
+import { sum, type Triple, Viewpoint } from "./viewpoint";
 
 ColorManagement.enabled = false;
 
@@ -23,6 +23,8 @@ const pickPixels = 6; // how far from the pointer a point may lie
 
 export class Stage {
   header = $state.raw<CloudHeader | undefined>();
+  /** Everything is drawn about the first place of the map that is known: coordinates of the GPU are short. */
+  origin = $state.raw<Triple>([0, 0, 0]);
   error = $state("");
   /** What most points lie between; nothing before the first are there. */
   spread = $state.raw<Spread | undefined>();
@@ -110,9 +112,6 @@ export class Stage {
     this.redraw();
   }
 
-  get origin(): Triple {
-    return this.points.origin;
-  }
   get size(): [number, number] {
     return this.#size;
   }
@@ -120,9 +119,9 @@ export class Stage {
     return this.view.isParallel ? this.#parallel : this.#perspective;
   }
 
-  /** Everything is drawn about the first place of the map that is known: coordinates of the GPU are short. */
+  /** Only the first one counts. */
   setOrigin(origin: Triple): void {
-    if (!this.#hasOrigin) this.points.origin = origin.map(Math.round) as Triple;
+    if (!this.#hasOrigin) this.origin = this.points.origin = origin.map(Math.round) as Triple;
     this.#hasOrigin = true;
   }
 
@@ -143,6 +142,7 @@ export class Stage {
   }
 
   openCloud(address: string, regions: CloudRegion[]): void {
+    this.error = "";
     this.points.open(address, regions);
   }
 
@@ -167,11 +167,11 @@ export class Stage {
   fitAll(): void {
     this.#leave();
     const header = this.points.header;
-    const ends = header ? [header.lowest, header.highest].map((one) => sum(one, this.origin, -1)) : this.pyramids.pyramids.map((one) => one.apex);
+    const ends = header ? [header.lowest, header.highest].map((one) => sum(one, this.origin, -1)) : this.pyramids.pyramids.flatMap((one) => [one.apex, ...one.corners]);
     if (!ends.length) return;
     const [low, high] = [Math.min, Math.max].map((end) => [0, 1, 2].map((axis) => end(...ends.map((one) => one[axis] as number)))) as [Triple, Triple];
     this.#radius = Math.max(Math.hypot(...sum(high, low, -1)) / 2, 1);
-    this.view.fit(sum(low, sum(high, low, -1), 0.5), 0.62 * this.#radius);
+    this.view.fit(low, high, this.#size[0] / this.#size[1]);
     this.redraw();
   }
 
@@ -183,8 +183,8 @@ export class Stage {
     this.view.isParallel = this.isParallel = false;
     this.view.distance = this.#heightAbove(pyramid.apex);
     this.view.target = sum(pyramid.apex, this.view.axes.forward, this.view.distance);
-    this.#perspective.fov = (2 * Math.atan(Math.hypot(...up) / 2 / Math.hypot(...forward)) * 180) / Math.PI;
-    this.pyramids.cover(pyramid);
+    this.view.fov = 2 * Math.atan(Math.hypot(...up) / 2 / Math.hypot(...forward));
+    this.pyramids.cover(pyramid, this.view.distance / Math.hypot(...forward));
     this.through = pyramid;
     this.redraw();
   }
@@ -272,6 +272,7 @@ export class Stage {
     this.#target.dispose();
     this.#shading.dispose();
     this.#screen.geometry.dispose();
+    this.#renderer.forceContextLoss(); // browsers keep few contexts, and let go of those of old pages late
     this.#renderer.dispose();
   }
 
@@ -284,8 +285,10 @@ export class Stage {
 
   #opened(header: CloudHeader): void {
     this.setOrigin(header.centre);
+    const isFirst = !this.header;
     this.header = header;
-    this.fitAll();
+    if (isFirst) this.fitAll();
+    else this.redraw();
   }
 
   #heightAbove(place: Triple): number {
@@ -317,7 +320,7 @@ export class Stage {
       const half = this.view.halfHeight;
       [this.#parallel.left, this.#parallel.right, this.#parallel.top, this.#parallel.bottom] = [-half * aspect, half * aspect, half, -half];
     } else {
-      if (!this.through) this.#perspective.fov = (fieldOfView * 180) / Math.PI;
+      this.#perspective.fov = (this.view.fov * 180) / Math.PI;
       this.#perspective.aspect = aspect;
     }
     [camera.near, camera.far] = [this.#near, this.#far];
@@ -326,7 +329,7 @@ export class Stage {
   }
 
   #pixelsOf(half: number, centre: Triple): number {
-    const perMetre = this.#size[1] / (2 * Math.tan((this.#perspective.fov * Math.PI) / 360));
+    const perMetre = this.#size[1] / (2 * Math.tan(this.view.fov / 2));
     if (this.view.isParallel) return (2 * half * this.#size[1]) / (2 * this.view.halfHeight);
     const away = Math.hypot(...sum(centre, this.view.eye, -1)) - Math.sqrt(3) * half;
     return (2 * half * perMetre) / Math.max(away, this.#near);
@@ -336,7 +339,7 @@ export class Stage {
     this.#pose();
     const camera = this.#camera;
     // Marks have their size on the screen: half a pixel for one of their pictures.
-    const half = this.view.isParallel ? this.view.halfHeight : Math.tan((this.#perspective.fov * Math.PI) / 360);
+    const half = this.view.isParallel ? this.view.halfHeight : Math.tan(this.view.fov / 2);
     for (const overlay of [this.control, this.drawing, this.draft]) overlay.resize(half / this.#size[1]);
     this.points.update(camera, (node: CloudNode) => this.#pixelsOf(node.half, sum(node.centre, this.origin, -1)), this.#isMoving && this.#cost > 0 ? movingFrameMs / this.#cost : Infinity);
     if (this.pyramids.group.visible) this.pyramids.update((one) => this.#pyramidSize(one), this.hasPictures);

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // From where the scene is looked at: about a target, north up or turned, from above to level. Coordinates are local (east, north, up) [m].
 
-export type Triple = [number, number, number];
+import type { Vector3 } from "../../lib/types";
 
-export const fieldOfView = (50 * Math.PI) / 180; // of the height of the view
+/** Three has a class of the other name. */
+export type Triple = Vector3;
+
+const fieldOfView = (50 * Math.PI) / 180;
+const fitRim = 0.05; // of half the view, that stays free about all that there is
 
 export interface Axes {
   forward: Triple;
@@ -31,6 +35,8 @@ export class Viewpoint {
   /** About the view, clockwise as it is seen; only while a photograph is looked through [rad]. */
   roll = 0;
   isParallel = false;
+  /** Of the height of the view [rad]; only while a photograph is looked through another one. */
+  fov = fieldOfView;
 
   get axes(): Axes {
     const [s, c, sh, ch] = [Math.sin(this.tilt), Math.cos(this.tilt), Math.sin(this.heading), Math.cos(this.heading)];
@@ -43,7 +49,7 @@ export class Viewpoint {
   }
   /** Half of what the view is high at the target [m]. */
   get halfHeight(): number {
-    return this.distance * Math.tan(fieldOfView / 2);
+    return this.distance * Math.tan(this.fov / 2);
   }
 
   turn(heading: number, tilt: number): void {
@@ -78,16 +84,24 @@ export class Viewpoint {
     this.roll = Math.atan2(dot(up, axes.right), dot(up, axes.up));
   }
 
-  /** Without a roll; seen from above what is up in the view stays up. */
+  /** Without a roll, in the usual field of view; seen from above what is up in the view stays up. */
   level(): void {
     const { up } = this.axes;
     if (this.tilt < 0.6 && this.roll !== 0) this.heading = Math.atan2(up[0], up[1]);
-    this.roll = 0;
+    [this.roll, this.fov] = [0, fieldOfView];
   }
 
-  /** All of a sphere. */
-  fit(centre: Triple, radius: number): void {
-    [this.target, this.distance] = [centre, Math.max(radius, 0.1) / Math.sin(fieldOfView / 2)];
+  /** Every place of a box, with a rim about it, as it is looked at now. */
+  fit(low: Triple, high: Triple, aspect: number): void {
+    const { right, up, forward } = this.axes;
+    const tangent = Math.tan(this.fov / 2) * (1 - fitRim);
+    this.target = sum(low, sum(high, low, -1), 0.5);
+    this.distance = 1;
+    for (let corner = 0; corner < 8; ++corner) {
+      const by = sum([0, 1, 2].map((axis) => ((corner >> axis) & 1 ? high : low)[axis]) as Triple, this.target, -1);
+      const aside = Math.max(Math.abs(dot(by, up)), Math.abs(dot(by, right)) / aspect);
+      this.distance = Math.max(this.distance, aside / tangent - (this.isParallel ? 0 : dot(by, forward)));
+    }
   }
 
   /** A ray through a place of the view: x and y from -1 (left, below) to 1. */

@@ -33,6 +33,8 @@ const held = new Map<number, Held>();
 const reading = new Map<number, AbortController>();
 let waiting: number[] = [];
 let address = "";
+/** Grows with every cloud that is opened: what is on its way for another one is dropped. */
+let opening = 0;
 let header: CloudHeader | undefined;
 let nodes: CloudNode[] = [];
 let regions: CloudRegion[] = [];
@@ -48,19 +50,26 @@ async function range(at: number, bytes: number, signal?: AbortSignal): Promise<A
 }
 
 async function open(): Promise<void> {
+  const mine = ++opening;
+  for (const control of reading.values()) control.abort();
+  for (const one of [reading, held]) one.clear();
+  [waiting, header, nodes] = [[], undefined, []];
   let head = await range(0, firstBytes);
   const size = headBytes(new DataView(head));
   if (size > head.byteLength) head = await range(0, size);
-  header = cloudHeader(new DataView(head));
+  const opened = cloudHeader(new DataView(head));
   const found = [];
-  const pages = [{ at: header.hierarchyAt, bytes: header.hierarchyBytes }];
+  const pages = [{ at: opened.hierarchyAt, bytes: opened.hierarchyBytes }];
+  const seen = new Set<number>(); // pages of a damaged file may refer to each other
   for (let page = pages.pop(); page; page = pages.pop()) {
-    if (page.bytes <= 0) continue;
+    if (page.bytes <= 0 || seen.has(page.at)) continue;
+    seen.add(page.at);
     const read = hierarchyPage(new DataView(await range(page.at, page.bytes)));
     found.push(...read.nodes);
     pages.push(...read.pages);
   }
-  nodes = tree(header, found);
+  if (mine !== opening) return;
+  [header, nodes] = [opened, tree(opened, found)];
   say({ opened: header, nodes });
 }
 
@@ -145,6 +154,7 @@ async function load(index: number): Promise<void> {
   try {
     const chunk = await range(node.at, node.bytes, control.signal);
     const made = expanded(await perf, head, node, chunk);
+    if (control.signal.aborted) return;
     applyEdits(head, made);
     held.set(index, made);
     const loaded = forView(head, index, node, made);
@@ -152,7 +162,7 @@ async function load(index: number): Promise<void> {
   } catch (error) {
     if (!control.signal.aborted) say({ missed: index, why: why(error) });
   } finally {
-    reading.delete(index);
+    if (reading.get(index) === control) reading.delete(index);
     next();
   }
 }
@@ -216,7 +226,8 @@ self.onmessage = (event: MessageEvent<ToWorker>): void => {
   const message = event.data;
   if ("open" in message) {
     [address, regions] = [message.open, message.regions];
-    open().catch((error: unknown) => say({ failed: why(error) }));
+    const mine = opening + 1;
+    open().catch((error: unknown) => mine === opening && say({ failed: why(error) }));
   } else if ("load" in message) {
     if (!reading.has(message.load) && !waiting.includes(message.load)) waiting.push(message.load);
     next();
@@ -224,7 +235,10 @@ self.onmessage = (event: MessageEvent<ToWorker>): void => {
     for (const index of message.drop) held.delete(index);
   } else if ("cancel" in message) {
     waiting = waiting.filter((index) => !message.cancel.includes(index));
-    for (const index of message.cancel) reading.get(index)?.abort();
+    for (const index of message.cancel) {
+      reading.get(index)?.abort();
+      reading.delete(index); // it may be asked for again at once
+    }
   } else if ("regions" in message) {
     regions = message.regions;
     reapply();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The tiles of one photograph on the GPU: layers of one texture, and a table that says for each tile of the level that is shown in which
 // layer it is, or by how much coarser a tile there is for it.
+import { Failures } from "../../lib/failures";
 import { levelFor, type TileIndex, tilesOf } from "../../lib/pixels";
 import type { StereoSide } from "../../lib/stereo_types";
 import type { ImageInfo } from "../../lib/types";
@@ -19,6 +20,7 @@ export class Atlas {
   rows = 1;
   readonly #held = new Map<string, number>(); // the one used longest ago first
   readonly #asked = new Set<string>();
+  readonly #failures = new Failures<string>(); // of tiles that the server does not have, or not now
   readonly #free = Array.from({ length: layers }, (_, layer) => layer);
   readonly #image: ImageInfo;
   #stale = true;
@@ -56,13 +58,14 @@ export class Atlas {
     while (wanted.length > layers - 8 && level > 0) wanted = tilesOf(this.#image, --level, window, tile_px);
     if (level !== this.level) [this.level, this.#stale] = [level, true];
     const all = [{ z: 0, x: 0, y: 0 }, ...wanted];
+    const now = performance.now();
     for (const index of all) {
       const key = keyOf(index);
       const layer = this.#held.get(key);
       if (layer !== undefined) {
         this.#held.delete(key);
         this.#held.set(key, layer);
-      } else if (!this.#asked.has(key)) {
+      } else if (!this.#asked.has(key) && !this.#failures.isOff(key, now)) {
         this.#asked.add(key);
         void this.tiles.tile(this.#image, index).then((bitmap) => this.#come(key, bitmap));
       }
@@ -83,7 +86,9 @@ export class Atlas {
 
   #come(key: string, bitmap: ImageBitmap | undefined): void {
     this.#asked.delete(key);
+    if (!bitmap) this.#failures.failed(key, performance.now());
     if (this.#disposed || !bitmap) return;
+    this.#failures.succeeded(key);
     let layer = this.#free.pop();
     if (layer === undefined) {
       const oldest = [...this.#held.keys()].find((one) => one !== "0/0/0");

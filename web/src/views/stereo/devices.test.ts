@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-import { describe, expect, it } from "vitest";
+import { afterEach, describe, expect, it, vi } from "vitest";
 
-import { pushIn, shaped } from "./devices";
+import { Devices, pushIn, shaped } from "./devices";
 
 const report = (...counts: number[]): DataView => {
   const data = new DataView(new ArrayBuffer(2 * counts.length));
@@ -9,7 +9,30 @@ const report = (...counts: number[]): DataView => {
   return data;
 };
 
+afterEach(() => {
+  vi.unstubAllGlobals();
+});
+
 describe("devices", () => {
+  it("tells a button once, however many game pads there are and long it is held", () => {
+    const pad = (...pressed: boolean[]): object => ({ connected: true, axes: [0, 0, 0, 0], buttons: pressed.map((one) => ({ pressed: one })) });
+    let pads: (object | null)[] = [];
+    vi.stubGlobal("navigator", { getGamepads: () => pads });
+    const told: number[] = [];
+    const devices = new Devices((button) => told.push(button));
+    pads = [pad(true, false), null, pad(false, false)];
+    for (let frame = 0; frame < 3; ++frame) devices.push();
+    expect(told).toEqual([0]);
+    pads = [pad(true, false), null, pad(false, true)];
+    for (let frame = 0; frame < 3; ++frame) devices.push();
+    expect(told).toEqual([0, 1]);
+    pads = [pad(false, false), null, pad(false, false)];
+    devices.push();
+    pads = [pad(false, false), null, pad(true, false)];
+    devices.push();
+    expect(told).toEqual([0, 1, 0]);
+    devices.dispose();
+  });
   it("reads the counts of a six-axis mouse", () => {
     expect(pushIn(report(350, -350, 350))).toEqual({ x: 1, y: -1, up: -1 });
     expect(pushIn(report(700, 0, 0))?.x).toBe(1);

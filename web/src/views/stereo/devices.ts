@@ -62,14 +62,16 @@ export class Devices {
   /** What is pushed now. */
   push(): Push {
     const sum = { ...this.#push };
+    let pressed = 0; // on any of the pads
     for (const pad of navigator.getGamepads?.() ?? []) {
       if (!pad?.connected) continue;
       const axis = (k: number): number => shaped(pad.axes[k] ?? 0);
       [sum.x, sum.y, sum.up] = [sum.x + axis(0), sum.y + axis(1), sum.up - axis(3)];
-      const pressed = pad.buttons.reduce((all, button, k) => all | (button.pressed ? 1 << k : 0), 0);
-      this.#tell(pressed & ~this.#pressed);
-      this.#pressed = pressed;
+      pressed |= pad.buttons.reduce((all, button, k) => all | (button.pressed ? 1 << k : 0), 0);
     }
+    const before = this.#pressed;
+    this.#pressed = pressed;
+    this.#tell(pressed & ~before);
     return sum;
   }
 
