@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
+#include "collinea/geometry/polygon.h"
 #include "collinea/io/control_file.h"
 #include "collinea/io/geodetic_file.h"
 #include "collinea/io/map_area.h"
@@ -82,7 +83,7 @@ std::vector<Target> table_targets() {
        [](std::string_view bytes) {
          const std::string text(bytes);
          const auto area = parse_area(text);
-         if (area) (void)contains(*area, area->front()), (void)size_m2(*area);
+         if (area) (void)is_inside(*area, area->front()), (void)size_m2(*area);
          return parse_map_points(text).has_value() && area;
        },
        {"easting, northing\n500000, 5300000\n500100, 5300000\n500100, 5300100\n500000, 5300000\n",
