@@ -48,6 +48,7 @@ class EditedCloud : public ::testing::Test {
     set_pose(block, ImageId{0}, {});
     Settings settings;
     settings.photos = (folder_ / "").string();
+    settings.densify.cloud = LasForm::kLas;
     auto project = create_project(folder_ / "project", settings, {});
     ASSERT_TRUE(project) << project.error().message;
     project_.emplace(*std::move(project));

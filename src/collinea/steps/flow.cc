@@ -32,11 +32,16 @@ struct StepRow {
   bool reads_sources = false;         ///< what import was given, with the remarks on it
   bool reads_masks = false;           ///< of photographs
   bool reads_patches = false;         ///< of the orthophoto
+  bool reads_points = false;          ///< which of the cloud people left
+  bool reads_classes = false;         ///< that people gave the cloud
+
+  [[nodiscard]] bool reads_work() const { return reads_masks || reads_patches || reads_points || reads_classes; }
 
   [[nodiscard]] std::string_view name() const { return word_of(step); }
 };
 
 constexpr const char* kCloud = "products/cloud.*";  // in the form asked for
+constexpr const char* kPly = "products/cloud.ply";  // where it is asked for
 
 // The only place that knows the order of work.
 const std::array<StepRow, std::size(kStepWords)>& steps() {
@@ -49,18 +54,20 @@ const std::array<StepRow, std::size(kStepWords)>& steps() {
       {.step = Step::kDensify,
        .work = densify_step,
        .reads = {Step::kAdjust},
-       .products = {kCloud, "products/cloud.ply"},
+       .products = {kCloud, kPly},
        .reads_masks = true},
-      {Step::kSurface,
-       surface_step,
-       {Step::kAdjust, Step::kDensify},
-       {"products/dsm.tif", "products/dsm_sigma.tif", "products/dsm_state.tif", "products/dsm_count.tif",
-        "products/dsm_sigma_relative.tif", "products/dsm_hillshade.tif"}},
-      {Step::kTerrain,
-       terrain_step,
-       {Step::kAdjust, Step::kSurface},
-       {"products/dtm.tif", "products/dtm_sigma.tif", "products/dtm_state.tif", "products/dtm_sigma_relative.tif",
-        "products/dtm_hillshade.tif"}},
+      {.step = Step::kSurface,
+       .work = surface_step,
+       .reads = {Step::kAdjust, Step::kDensify},
+       .products = {"products/dsm.tif", "products/dsm_sigma.tif", "products/dsm_state.tif", "products/dsm_count.tif",
+                    "products/dsm_sigma_relative.tif", "products/dsm_hillshade.tif"},
+       .reads_points = true},
+      {.step = Step::kTerrain,
+       .work = terrain_step,
+       .reads = {Step::kAdjust, Step::kSurface},
+       .products = {"products/dtm.tif", "products/dtm_sigma.tif", "products/dtm_state.tif",
+                    "products/dtm_sigma_relative.tif", "products/dtm_hillshade.tif"},
+       .reads_classes = true},
       {.step = Step::kOrtho,
        .work = ortho_step,
        .reads = {Step::kAdjust, Step::kSurface, Step::kTerrain},
@@ -81,10 +88,12 @@ const std::array<StepRow, std::size(kStepWords)>& steps() {
 // What a step reads of people's work beside control; empty: nothing.
 Result<std::string> work_text(const Project& project, const StepRow& step) {
   std::string text;
-  if (!step.reads_masks && !step.reads_patches) return text;
+  if (!step.reads_work()) return text;
   COLLINEA_TRY(const EditedWork work, read_work(project));
   if (step.reads_masks) text += masks_of(work).text();
   if (step.reads_patches) text += patches_text(work);
+  if (step.reads_points) text += text_of(regions_of_surface(work.regions));
+  if (step.reads_classes) text += text_of(regions_of_classes(work.regions));
   return text;
 }
 
@@ -117,8 +126,10 @@ fs::path product_path(const Project& project, const char* product) {
 
 bool products_exist(const Project& project, const StepRow& step, const StepRecord& record) {
   if (skipped_because(record.outcome)) return true;  // it left no product
-  for (const char* product : step.products)
+  for (const char* product : step.products) {
+    if (product == kPly && !project.settings.densify.ply) continue;
     if (!is_there(product_path(project, product))) return false;
+  }
   return true;
 }
 
@@ -146,7 +157,7 @@ bool is_of(const Edit& edit) {
 // Edits that came while a step was at work may have been seen by it, or not: it counts as made of other inputs, and as
 // another result for the steps behind it, also where they were undone since.
 Result<bool> was_edited(const Project& project, const StepRow& step, std::uint64_t last_edit) {
-  if (!step.reads_setup && !step.reads_masks && !step.reads_patches) return false;
+  if (!step.reads_setup && !step.reads_work()) return false;
   Journal journal(project.folder);
   COLLINEA_TRY(journal.refresh());
   for (const EditEntry& entry : journal.history().entries()) {
@@ -155,6 +166,8 @@ Result<bool> was_edited(const Project& project, const StepRow& step, std::uint64
     if (step.reads_setup && !point_of(edit).empty()) return true;
     if (step.reads_masks && is_of<MaskImage, UnmaskImage>(edit)) return true;
     if (step.reads_patches && is_of<PatchSeams, UnpatchSeams>(edit)) return true;
+    if (step.reads_points && is_of<ClassifyCloud, CutCloud, CropCloud>(edit)) return true;
+    if (step.reads_classes && is_of<ClassifyCloud>(edit)) return true;
   }
   return false;
 }

@@ -3,6 +3,7 @@
 
 #include "collinea/base/memory.h"
 #include "collinea/cloud/las.h"
+#include "collinea/edit/read_work.h"
 #include "collinea/project/product_frame.h"
 #include "collinea/radiometry/view.h"
 #include "collinea/raster/block_cache.h"
@@ -13,11 +14,18 @@
 namespace collinea {
 namespace {
 
-PointSource points_of(LasReader& reader) {
-  return [&reader](std::vector<SurfacePoint>& batch) -> Result<> {
-    COLLINEA_TRY(const std::vector<CloudPoint> cloud, reader.read(kPiecePoints));
+// The points that people left. Classes of the file are those of an earlier terrain.
+PointSource points_of(LasReader& reader, const CloudEdits& edits) {
+  return [&](std::vector<SurfacePoint>& batch) -> Result<> {
     batch.clear();
-    for (const CloudPoint& point : cloud) batch.push_back({point.position, point.sigma_m, point.images});
+    while (batch.empty()) {
+      COLLINEA_TRY(std::vector<CloudPoint> cloud, reader.read(kPiecePoints));
+      if (cloud.empty()) break;
+      for (CloudPoint& point : cloud) point.classification = kUnclassified;
+      edits.apply(cloud);
+      for (const CloudPoint& point : cloud)
+        if (!is_noise(point.classification)) batch.push_back({point.position, point.sigma_m, point.images});
+    }
     return {};
   };
 }
@@ -44,12 +52,14 @@ Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash
   COLLINEA_TRY(const ProductFrame product_frame, product_frame_of(project, block));
   COLLINEA_TRY(const std::vector<PositionSigma> sigmas, orientation_sigmas(project, product_frame.frame_or_null()));
   COLLINEA_TRY(LasReader reader, LasReader::open(project.cloud()));
+  COLLINEA_TRY(std::vector<CloudRegion> regions, read_cloud_regions(project));
+  const CloudEdits edits(regions_of_surface(std::move(regions)));
   const BlockCacheLimit cache(kCacheOfPieces);
   const auto products = project.folder / "products";
   const DsmFiles files{products / "dsm.tif", products / "dsm_sigma.tif", products / "dsm_state.tif",
                        products / "dsm_count.tif", products / "dsm_sigma_relative.tif"};
   COLLINEA_TRY(const DsmSummary summary,
-               build_dsm({points_of(reader), product_frame.frame_or_null(), PointFrame::kMap,
+               build_dsm({points_of(reader, edits), product_frame.frame_or_null(), PointFrame::kMap,
                           product_frame.matched_pixel_m, sigmas},
                          files, project.folder / "scratch", project.settings.surface, project.run));
   give_back_freed_memory();
