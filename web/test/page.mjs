@@ -55,7 +55,7 @@ const tests = {
   async "the link leads to the project"({ page, project }) {
     await page.getByRole("heading", { name: "village", level: 2 }).waitFor();
     assert.equal(new URL(page.url()).search, "", "the token does not stay in the address");
-    for (const step of ["import", "detect", "match", "orient", "adjust", "densify", "surface", "terrain", "ortho", "report"])
+    for (const step of ["import", "detect", "match", "orient", "adjust", "densify", "surface", "terrain", "ortho", "frames", "report"])
       await stepRow(page, step).getByRole("img", { name: "done" }).waitFor();
     await page.getByText("6, 6 oriented").waitFor();
     await page.getByText("EPSG:32633", { exact: true }).waitFor();

@@ -78,6 +78,7 @@ struct CommandGroup {
            step_command(Step::kSurface, "digital surface model (GeoTIFF)"),
            step_command(Step::kTerrain, "digital terrain model and contours (GeoTIFF, GeoPackage, DXF)"),
            step_command(Step::kOrtho, "orthophoto (Cloud-Optimised GeoTIFF)"),
+           step_command(Step::kFrames, "surfaces, orthophotos and drawings of facades and other planes"),
            step_command(Step::kReport, "quality report (HTML and JSON)"),
            info_command(),
            edit_command(),

@@ -38,9 +38,9 @@ std::string bytes_of(const fs::path& path) {
 }
 
 const std::vector<std::string> kProducts = {
-    "cloud.copc.laz",    "dsm.tif",          "dsm_sigma.tif",          "dsm_state.tif",          "dtm.tif",
-    "dtm_sigma.tif",     "dtm_state.tif",    "contours.gpkg",          "contours.dxf",           "ortho.tif",
-    "ortho_source.tif",  "seamlines.gpkg",   "dsm_sigma_relative.tif", "dtm_sigma_relative.tif", "dsm_hillshade.tif",
+    "cloud.copc.laz",   "dsm.tif",        "dsm_sigma.tif",          "dsm_state.tif",          "dtm.tif",
+    "dtm_sigma.tif",    "dtm_state.tif",  "contours.gpkg",          "contours.dxf",           "ortho.tif",
+    "ortho_source.tif", "seamlines.gpkg", "dsm_sigma_relative.tif", "dtm_sigma_relative.tif", "dsm_hillshade.tif",
     "dtm_hillshade.tif"};
 
 class WholeProject : public SmallProject {
@@ -130,7 +130,7 @@ void WholeProject::info_tells_what_is_known() {
       EXPECT_GT(point.difference_sigma_m[axis], 0) << point.point.value;
       EXPECT_LT(point.difference_sigma_m[axis], 1) << point.point.value;
     }
-  ASSERT_EQ(info->steps.size(), 10u);
+  ASSERT_EQ(info->steps.size(), 11u);
   EXPECT_EQ(info->steps.front().name(), "import");
 }
 
@@ -174,8 +174,7 @@ void WholeProject::a_cloud_of_any_form_gives_the_same_surface() {
         .and_then([](const Project& p) { return assess_project(p, root_).map(assessment_text); })
         .value();
   };
-  std::map<LasForm, std::uintmax_t> sizes = {
-      {LasForm::kCopc, fs::file_size(root_ / "mapped/products/cloud.copc.laz")}};
+  std::map<LasForm, std::uintmax_t> sizes = {{LasForm::kCopc, fs::file_size(root_ / "mapped/products/cloud.copc.laz")}};
   for (const auto& [form, earlier] :
        {std::pair(LasForm::kLas, LasForm::kCopc), std::pair(LasForm::kLaz, LasForm::kLas)}) {
     Settings changed = settings();
@@ -240,7 +239,8 @@ void WholeProject::another_adjustment_reaches_every_product() {
   changed.adjust.use_control = false;
   Log log;
   ASSERT_TRUE(bring(project, changed, log, Step::kReport));
-  EXPECT_EQ(log.steps_done(), (std::vector<std::string>{"adjust", "densify", "surface", "terrain", "ortho", "report"}));
+  EXPECT_EQ(log.steps_done(),
+            (std::vector<std::string>{"adjust", "densify", "surface", "terrain", "ortho", "frames", "report"}));
   const std::vector<std::string> products = {"cloud.copc.laz", "dsm.tif",       "dsm_sigma.tif",
                                              "dtm.tif",        "dtm_sigma.tif", "ortho.tif"};
   for (const std::string& product : products)

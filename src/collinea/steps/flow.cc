@@ -15,6 +15,7 @@
 #include "collinea/report/signed_files.h"
 #include "collinea/report/step_words.h"
 #include "collinea/steps/internal/edited_record.h"
+#include "collinea/steps/internal/frame_list.h"
 
 namespace collinea {
 namespace {
@@ -74,10 +75,16 @@ const std::array<StepRow, std::size(kStepWords)>& steps() {
        .products = {"products/ortho.tif", "products/ortho_source.tif", "products/seamlines.gpkg"},
        .reads_masks = true,
        .reads_patches = true},
+      {.step = Step::kFrames,
+       .work = frames_step,
+       .reads = {Step::kAdjust, Step::kDensify},
+       .products = {},
+       .reads_masks = true,
+       .reads_points = true},
       {Step::kReport,
        report_step,
        {Step::kImport, Step::kDetect, Step::kMatch, Step::kOrient, Step::kAdjust, Step::kDensify, Step::kSurface,
-        Step::kTerrain, Step::kOrtho},
+        Step::kTerrain, Step::kOrtho, Step::kFrames},
        {"report/report.html", kHashesFile},
        /*reads_setup=*/true,
        /*reads_sources=*/true},
@@ -105,6 +112,8 @@ Result<std::string> inputs_hash_of(const Project& project, const StepRow& step) 
     hash.add(fingerprint_of_orientation(*given));
   if (const auto& given = project.settings.ortho.seamlines; given && step.step == Step::kOrtho)
     hash.add(std::uint64_t{hash_of_file(*given).value_or(0)});
+  if (const auto* planes = project.settings.frames.frames.get<fs::path>(); planes && step.step == Step::kFrames)
+    hash.add(std::uint64_t{hash_of_file(*planes).value_or(0)});
   for (const Step earlier : step.reads) {
     COLLINEA_TRY(const auto record, project.store.read_step(std::string(word_of(earlier))));
     COLLINEA_CHECK(record.has_value());
@@ -126,6 +135,10 @@ fs::path product_path(const Project& project, const char* product) {
 
 bool products_exist(const Project& project, const StepRow& step, const StepRecord& record) {
   if (skipped_because(record.outcome)) return true;  // it left no product
+  if (const auto* made = std::get_if<FramesRecord>(&record.outcome))
+    return std::ranges::all_of(made->frames, [&](const FrameRecord& frame) {
+      return is_there(frames_folder(project.folder) / frame.name / "ortho.tif");
+    });
   for (const char* product : step.products) {
     if (product == kPly && !project.settings.densify.ply) continue;
     if (!is_there(product_path(project, product))) return false;
