@@ -137,7 +137,7 @@ void WholeProject::info_tells_what_is_known() {
 void WholeProject::export_writes_every_format_and_refuses_others() {
   auto project = open_project(root_ / "mapped", {});
   ASSERT_TRUE(project);
-  for (const ExportFormat format : {ExportFormat::kColmap, ExportFormat::kOpk, ExportFormat::kPly, ExportFormat::kLas,
+  for (const ExportFormat format : {ExportFormat::kColmap, ExportFormat::kOpk, ExportFormat::kTiePoints, ExportFormat::kLas,
                                     ExportFormat::kLaz, ExportFormat::kCopc})
     ASSERT_TRUE(export_block(*project, root_ / "export", {.format = format})) << word_of(format);
   for (const char* file : {"cameras.txt", "images.txt", "points3D.txt", "cameras.bin", "orientation.opk",

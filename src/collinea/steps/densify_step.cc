@@ -123,7 +123,8 @@ class CloudFiles {
     COLLINEA_TRY(LasWriter las_writer, LasWriter::create(project.cloud(), las));
     CloudFiles files(std::move(las_writer), product_frame);
     if (project.settings.densify.ply) {
-      COLLINEA_TRY(files.ply_, PlyWriter::create(products / "cloud.ply", kLocalCloudComment));
+      COLLINEA_TRY(PlyWriter ply_writer, PlyWriter::create(products / "cloud.ply", kLocalCloudComment));
+      files.ply_.emplace(std::move(ply_writer));
     }
     return files;
   }
