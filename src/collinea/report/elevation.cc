@@ -19,7 +19,7 @@ namespace {
 using Eigen::Vector2d;
 
 // Around the drawing: coordinates of the grid, the title below it.
-constexpr double kLeft_mm = 22, kRight_mm = 12, kTop_mm = 12, kBottom_mm = 42;
+constexpr double kLeft_mm = 22, kRight_mm = 12, kTop_mm = 12, kBottom_mm = 48;
 constexpr double kText_mm = 3, kTitle_mm = 5;
 constexpr double kGrid_mm = 25;        // between lines, at least
 constexpr double kPixels_per_mm = 12;  // 300 to the inch
@@ -72,9 +72,10 @@ void draw_grid(const MapGrid& grid, const Vector2d& corner, const Vector2d& size
   }
 }
 
-// Four parts, black and white in turn.
-void draw_scale_bar(const Vector2d& at, double mm_per_m, const std::string& unit, PdfPage& page) {
-  const double part_m = tidy_step(12 / mm_per_m), part_mm = part_m * mm_per_m;
+// Four parts, black and white in turn, to the left of a position.
+void draw_scale_bar(const Vector2d& end, double mm_per_m, const std::string& unit, PdfPage& page) {
+  const double part_m = tidy_step(10 / mm_per_m), part_mm = part_m * mm_per_m;
+  const Vector2d at = end - Vector2d(4 * part_mm + 6, 0);
   const int decimals = decimals_of(part_m);
   for (int i = 0; i < 4; ++i) {
     page.rectangle(at + Vector2d(i * part_mm, 0), {part_mm, 2}, 0.15, i % 2 == 0);
@@ -130,15 +131,15 @@ Result<double> write_elevation(const FrameRecord& frame, const std::filesystem::
   draw_grid(grid, corner, size, mm_per_m, page);
   page.rectangle(corner, size, 0.3);
   page.rectangle({5, 5}, {sheet.width_mm - 10, sheet.height_mm - 10}, 0.5);
-  page.text({kLeft_mm, 26}, kTitle_mm, title);
-  page.text({sheet.width_mm - kRight_mm, 26}, kTitle_mm,
+  page.text({kLeft_mm, 27}, kTitle_mm, title);
+  page.text({sheet.width_mm - kRight_mm, 27}, kTitle_mm,
             is_metric ? fmt::format("1 : {:.10g}", sheet.scale) : "not to scale: the block has none", TextAnchor::kEnd);
   double y = 20;
   for (const std::string& line : lines_of(frame, unit)) {
     page.text({kLeft_mm, y}, kText_mm, line);
     y -= 1.6 * kText_mm;
   }
-  draw_scale_bar({sheet.width_mm - kRight_mm - 75, 11}, mm_per_m, unit, page);
+  draw_scale_bar({sheet.width_mm - kRight_mm, 35}, mm_per_m, unit, page);
   COLLINEA_TRY(const std::string bytes, page.finish());
   COLLINEA_TRY(write_file(pdf, bytes));
   return sheet.scale;

@@ -13,11 +13,12 @@ namespace {
 TEST(Elevation, TheLargestUsualScaleThatFitsOnA3IsTaken) {
   const ElevationSheet house = elevation_sheet(12, 8, {});  // 240 x 160 mm at 1:50
   EXPECT_EQ(house.scale, 50);
-  EXPECT_EQ(house.paper, "A4");
+  EXPECT_EQ(house.paper, "A3");
   EXPECT_GT(house.width_mm, house.height_mm);
   EXPECT_EQ(elevation_sheet(60, 20, {}).scale, 200);
   EXPECT_EQ(elevation_sheet(0.03, 0.03, {}).scale, 1);
-  EXPECT_EQ(elevation_sheet(5, 5, {}).scale, 25);
+  EXPECT_EQ(elevation_sheet(5, 5, {}).scale, 20);
+  EXPECT_EQ(elevation_sheet(6.5, 6.5, {}).scale, 25);
   const ElevationSheet tower = elevation_sheet(8, 30, {});
   EXPECT_EQ(tower.scale, 100);
   EXPECT_LT(tower.width_mm, tower.height_mm);

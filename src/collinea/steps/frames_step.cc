@@ -113,7 +113,7 @@ Result<std::vector<ObjectFrame>> frames_of(const Project& project, const Block& 
     COLLINEA_TRY(frames, frames_of_file(*file, block, frame, tolerance_m));
   } else {
     project.run.report("frames: planes", 0);
-    frames = find_object_frames(block, sample.points, {.tolerance_m = tolerance_m, .without_level = looks_down(block)});
+    frames = find_object_frames(block, sample.points, {.tolerance_m = tolerance_m});
   }
   if (options.depth_m)
     for (ObjectFrame& one : frames) one.depth_m = *options.depth_m;

@@ -13,7 +13,7 @@ enum class FrameChoice { kAuto, kMap, kPlanes };
 inline constexpr Word<FrameChoice> kFrameChoiceWords[] = {
     {FrameChoice::kAuto, "auto", "planes where the images do not look down"},
     {FrameChoice::kMap, "map", "none but the map"},
-    {FrameChoice::kPlanes, "planes", "planes of the cloud that are not level"}};
+    {FrameChoice::kPlanes, "planes", "upright and slanting planes of the cloud"}};
 [[nodiscard]] constexpr std::span<const Word<FrameChoice>> words(FrameChoice) { return kFrameChoiceWords; }
 
 struct FramesOptions {

@@ -244,8 +244,8 @@ std::vector<Vector3d> some_of(std::span<const Vector3d> points) {
 }
 
 struct Seen {
-  std::size_t front = 0, back = 0;  // points of the plane that an image shows, from either side
-  std::size_t frontal = 0;          // of front, within 65 degrees of the normal
+  double front = 0, back = 0;  // how large points of the plane are in an image, from either side
+  std::size_t frontal = 0;     // of those from the front, within 65 degrees of the normal
 };
 
 Seen seen_by(const Block& block, const OrientedImage& image, std::span<const Vector3d> points, const Vector3d& normal) {
@@ -255,11 +255,24 @@ Seen seen_by(const Block& block, const OrientedImage& image, std::span<const Vec
   for (const Vector3d& p : points) {
     const auto pixel = project(camera, image.cam_from_world * p);
     if (!pixel || !inside(camera, *pixel)) continue;
-    const double cosine = normal.dot((centre - p).normalized());
-    ++(cosine > 0 ? seen.front : seen.back);
+    const double distance = (centre - p).norm(), cosine = normal.dot(centre - p) / distance;
+    (cosine > 0 ? seen.front : seen.back) += std::abs(cosine) / (distance * distance);
     seen.frontal += cosine > kFrontal;
   }
   return seen;
+}
+
+double depth_of(const ObjectFrame& frame, const FrameSearch& search) {
+  return std::max(5 * search.tolerance_m, 0.15 * frame.extent_m.minCoeff());
+}
+
+// Windows of a wall, its cornices: planes that face as a larger one does and stand within its depth.
+bool is_shown_by(const ObjectFrame& larger, std::span<const Vector3d> points, const Vector3d& normal) {
+  constexpr double kMost = 0.8;  // of the points
+  if (std::abs(larger.plane.world_from_plane.col(2).dot(normal)) < kNearlyUp) return false;
+  const auto inside =
+      std::ranges::count_if(points, [&](const Vector3d& p) { return larger.holds(larger.plane.in_plane(p)); });
+  return double(inside) >= kMost * double(points.size());
 }
 
 }  // namespace
@@ -303,10 +316,10 @@ ObjectFrame frame_of_plane(const Block& block, std::span<const Vector3d> points,
   const std::vector<Vector3d> some = some_of(points);
   const std::vector<OrientedImage> images = oriented_images(block);
   Vector3d normal = normal_in_world.normalized();
-  std::ptrdiff_t from_front = 0;
+  double from_front = 0;
   for (const OrientedImage& image : images) {
     const Seen seen = seen_by(block, image, some, normal);
-    from_front += std::ptrdiff_t(seen.front) - std::ptrdiff_t(seen.back);
+    from_front += seen.front - seen.back;
   }
   if (from_front < 0) normal = -normal;
   ObjectFrame frame{.plane = framed_plane(middle, normal, up), .points = points.size()};
@@ -339,10 +352,14 @@ std::vector<ObjectFrame> find_object_frames(const Block& block, std::span<const 
   for (std::size_t tried = 0; tried < kMostTried && found.size() < search.most; ++tried) {
     auto next = planes.next();
     if (!next || (!found.empty() && next->area_m2 < search.least_part * found.front().second.area_m2)) break;
-    if (search.without_level && std::abs(next->plane.normal.dot(up)) > kNearlyUp) continue;
-    ObjectFrame frame = frame_of_plane(block, planes.points_of(*next), next->plane.middle, next->plane.normal, up);
+    if (std::abs(next->plane.normal.dot(up)) > kNearlyUp) continue;
+    const std::vector<Vector3d> its = planes.points_of(*next);
+    if (std::ranges::any_of(found, [&](const auto& one) { return is_shown_by(one.second, its, next->plane.normal); }))
+      continue;
+    ObjectFrame frame = frame_of_plane(block, its, next->plane.middle, next->plane.normal, up);
     if (frame.images.empty()) continue;
     frame.area_m2 = next->area_m2;
+    frame.depth_m = depth_of(frame, search);
     found.emplace_back(*std::move(next), std::move(frame));
   }
   for (const auto& [plane, frame] : found) frames.push_back(frame);
@@ -353,7 +370,7 @@ std::vector<ObjectFrame> find_object_frames(const Block& block, std::span<const 
     frames[i] = frame_of_plane(block, planes.points_of(plane), plane.plane.middle, plane.plane.normal, better_up);
     frames[i].area_m2 = area_m2;
     frames[i].name = "plane" + std::to_string(i + 1);
-    frames[i].depth_m = std::max(5 * search.tolerance_m, 0.15 * frames[i].extent_m.minCoeff());
+    frames[i].depth_m = depth_of(frames[i], search);
   }
   return frames;
 }

@@ -34,10 +34,9 @@ struct ObjectFrame {
 
 /// How planes are looked for.
 struct FrameSearch {
-  double tolerance_m = 0;      ///< largest distance of a plane's points from it
-  double least_part = 0.1;     ///< of the largest plane's area that others have at least
-  std::size_t most = 12;       ///< planes
-  bool without_level = false;  ///< no planes within 20 degrees of level: the map shows them
+  double tolerance_m = 0;   ///< largest distance of a plane's points from it
+  double least_part = 0.1;  ///< of the largest plane's area that others have at least
+  std::size_t most = 12;    ///< planes
 };
 
 /// The tolerance where none is given: three median sigmas of the points, or where that is less a two-hundredth of what
@@ -53,9 +52,10 @@ struct FrameSearch {
 /// where the block has a location on Earth, it stays.
 [[nodiscard]] Eigen::Vector3d up_by_walls(const Block& block, std::span<const ObjectFrame> frames);
 
-/// The frame of a plane: its front is where the images stand that see its points, the extent holds all points but one
-/// in two hundred on each side. `normal_in_world`: to either side. Frames that fewer than two images see within 65
-/// degrees of the normal have no images.
+/// The frame of a plane: its front is the side from which the images show its points larger (nothing tells what hides
+/// them: those behind a wall look through it), the extent holds all points but one in two hundred on each side.
+/// `normal_in_world`: to either side. Frames that fewer than two images see within 65 degrees of the normal have no
+/// images.
 [[nodiscard]] ObjectFrame frame_of_plane(const Block& block, std::span<const Eigen::Vector3d> points,
                                          const Eigen::Vector3d& middle, const Eigen::Vector3d& normal_in_world,
                                          const Eigen::Vector3d& up);
@@ -63,7 +63,9 @@ struct FrameSearch {
 /// The planes that dominate a cloud, by area, named plane1, plane2, ... Points are gathered in voxels, of 1/64 of what
 /// they extend over; the plane through a voxel that most others bear out (their middles lie on it, their normals agree
 /// within 25 degrees) is fitted to its points, in one piece: voxels that touch each other. Its voxels are taken away,
-/// and the next is looked for. Planes that no two images see from the front (floors before a facade) are left out.
+/// and the next is looked for. Left out are planes within 20 degrees of level (pavements: the map shows those), those
+/// that no two images see from the front, and those that face as a larger one does and stand within its depth
+/// (windows).
 /// Deterministic; the order of the points does not matter but for rounding.
 [[nodiscard]] std::vector<ObjectFrame> find_object_frames(const Block& block, std::span<const Eigen::Vector3d> points,
                                                           const FrameSearch& search);
