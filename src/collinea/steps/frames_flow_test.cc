@@ -223,7 +223,7 @@ TEST_F(FacadeFlow, TheWallIsMappedAsTheGroundIs) {
   mapped();
   EXPECT_EQ(hash_of_file(file("plane1", "elevation.pdf")).value(), drawing);
 
-  // A plane that is told.
+  // A plane that is given.
   const Vector3d corners[] = {{-4, 0, 1}, {4, 0, 1}, {4, 0, 6}, {-4, 0, 6}};
   std::string text = "# name easting northing height\n";
   for (const Vector3d& corner : corners) {

@@ -88,14 +88,14 @@ Result<std::vector<ObjectFrame>> frames_of_file(const fs::path& path, const Bloc
   }
   std::vector<ObjectFrame> frames;
   for (const auto& [name, points] : planes) {
-    const auto wrong = [&](const std::string& why) {
-      return fail(Errc::kBadInput, path.string() + ": plane " + name + ": " + why, {"frames"_option});
-    };
-    if (!is_frame_name(name)) return wrong("a name is of letters, digits, - and _");
+    const std::string which = path.string() + ": plane " + name + ": ";
+    if (!is_frame_name(name))
+      return fail(Errc::kBadInput, which + "a name is of letters, digits, - and _", {"frames"_option});
     const auto fit = fit_plane(points);
-    if (!fit) return wrong("it needs three points that are not on a line");
+    if (!fit) return fail(Errc::kBadInput, which + "it needs three points that are not on a line", {"frames"_option});
     ObjectFrame one = frame_of_plane(block, points, fit->middle, fit->normal, up_in_world(block));
-    if (one.images.empty()) return wrong("no two images see it from the front");
+    if (one.images.empty())
+      return fail(Errc::kBadInput, which + "no two images see it from the front", {"frames"_option});
     one.name = name;
     one.area_m2 = one.extent_m.prod();
     one.depth_m = std::max(5 * tolerance_m, 0.15 * one.extent_m.minCoeff());
@@ -162,7 +162,7 @@ PointSource points_of(LeftPoints& cloud, const LocalFrame* map, const ObjectFram
 }
 
 // The frame as it lies on the map, or in the world where there is none.
-FrameRecord place_of(const ObjectFrame& frame, const LocalFrame* map) {
+FrameRecord location_of(const ObjectFrame& frame, const LocalFrame* map) {
   const Vector3d& origin = frame.plane.origin_in_world;
   const Eigen::Matrix3d axes =
       map ? Eigen::Matrix3d(map_from_local_rotation(*map, origin).toRotationMatrix() * frame.plane.world_from_plane)
@@ -192,7 +192,7 @@ class FrameProducts {
   [[nodiscard]] const LocalFrame* map() const { return product_frame_.frame_or_null(); }
 
   Result<FrameRecord> make(const ObjectFrame& frame, const Run& run) const {
-    FrameRecord record = place_of(frame, map());
+    FrameRecord record = location_of(frame, map());
     const fs::path folder = frames_folder(project_.folder) / frame.name;
     std::error_code error;
     fs::create_directories(folder, error);

@@ -77,7 +77,7 @@ struct Dtm {
 /// GroundSurface), and interpolated from around under buildings, trees and whatever else stands on it (ground_cells).
 /// It covers what the surface model covers. Contours are those of the coarse grid's means. Memory: 20 bytes
 /// for each cell of the coarse grid, at most 64 million, and pieces of the rasters. Where `by_hand` (may be empty) says
-/// what a measured cell shows, that holds, and the ground around is told with it. The same bits with any number of
+/// what a measured cell shows, that holds, and the ground around follows it. The same bits with any number of
 /// threads. Errors: no ground at all; reading; disk; cancelled.
 Result<Dtm> build_dtm(const DsmFiles& dsm, const DtmFiles& files, const DtmOptions& options, const Run& run,
                       const GroundByHand& by_hand = {});
