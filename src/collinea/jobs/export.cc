@@ -11,6 +11,7 @@
 #include <unordered_set>
 
 #include "collinea/base/file.h"
+#include "collinea/base/file_text.h"
 #include "collinea/block/world_frame.h"
 #include "collinea/cloud/las.h"
 #include "collinea/cloud/ply.h"
@@ -79,7 +80,8 @@ class Thinning {
  public:
   explicit Thinning(std::optional<double> spacing_m) : spacing_m_(spacing_m) {}
   void apply(std::vector<CloudPoint>& points) {
-    if (spacing_m_) std::erase_if(points, [&](const CloudPoint& point) { return !taken_.insert(cube_of(point)).second; });
+    if (spacing_m_)
+      std::erase_if(points, [&](const CloudPoint& point) { return !taken_.insert(cube_of(point)).second; });
   }
 
  private:
@@ -141,7 +143,8 @@ class WantedCloud {
 };
 
 // So many tiles at once, each with its file, and the cloud read as often as that takes: no cloud has too many tiles.
-Result<> write_tiles(const WantedCloud& cloud, const std::filesystem::path& folder, LasWriter::Options options, const std::map<Tile, std::uint64_t>& counts, double tile_m) {
+Result<> write_tiles(const WantedCloud& cloud, const std::filesystem::path& folder, LasWriter::Options options,
+                     const std::map<Tile, std::uint64_t>& counts, double tile_m) {
   constexpr std::size_t kAtOnce = 64;
   const Eigen::Vector3d lowest = options.lowest, highest = options.highest;
   options.run.threads = 1;  // so many writers, each with what its threads wait for
@@ -199,6 +202,8 @@ Result<> export_las(const Project& project, const WantedCloud& cloud, const std:
   return counted ? write_tiles(cloud, folder, options, counts, *tile_m) : counted;
 }
 
+constexpr FileText kTextColumns = "# easting northing height red green blue sigma_m images class\n";
+
 // In the local frame: small numbers, which programs that read them in single precision keep.
 Result<> export_dense_ply(const WantedCloud& cloud, const std::filesystem::path& folder, const Block& block) {
   COLLINEA_TRY(const std::optional<LocalFrame> frame, world_frame(block));
@@ -216,7 +221,7 @@ Result<> export_dense_ply(const WantedCloud& cloud, const std::filesystem::path&
 
 Result<> export_text(const WantedCloud& cloud, const std::filesystem::path& folder) {
   COLLINEA_TRY(OutputFile file, OutputFile::create(folder / "cloud.xyz"));
-  file.write("# easting northing height red green blue sigma_m images class\n");
+  file.write(kTextColumns);
   auto written = cloud.for_each_piece([&](std::vector<CloudPoint>& points) -> Result<> {
     std::string lines;
     for (const CloudPoint& p : points)

@@ -87,7 +87,7 @@ void draw_scale_bar(const Vector2d& end, double mm_per_m, const std::string& uni
 }
 
 std::vector<std::string> lines_of(const FrameRecord& frame, const std::string& unit) {
-  const auto place = [](const Eigen::Vector3d& p, int decimals) {
+  const auto location = [](const Eigen::Vector3d& p, int decimals) {
     return fmt::format("{:.{}f}, {:.{}f}, {:.{}f}", p.x(), decimals, p.y(), decimals, p.z(), decimals);
   };
   return {
@@ -95,8 +95,8 @@ std::vector<std::string> lines_of(const FrameRecord& frame, const std::string& u
                   unit, counted(frame.ortho.images_used, "photograph")),
       fmt::format("Distances from the plane: standard deviation {:.3g} {} in the mean, {:.3g} {} against those around",
                   frame.surface.mean_sigma_m, unit, frame.surface.mean_sigma_relative_m, unit),
-      fmt::format("Origin of x and y at {} {}; x along {}; y along {}", place(frame.origin, 3), unit,
-                  place(frame.right, 6), place(frame.up, 6)),
+      fmt::format("Origin of x and y at {} {}; x along {}; y along {}", location(frame.origin, 3), unit,
+                  location(frame.right, 6), location(frame.up, 6)),
   };
 }
 
@@ -126,8 +126,8 @@ Result<double> write_elevation(const FrameRecord& frame, const std::filesystem::
   COLLINEA_TRY(PdfPage page, PdfPage::create(sheet.width_mm, sheet.height_mm, title));
   const Vector2d room(sheet.width_mm - kLeft_mm - kRight_mm, sheet.height_mm - kTop_mm - kBottom_mm);
   const Vector2d corner = Vector2d(kLeft_mm, kBottom_mm) + (room - size) / 2;
-  COLLINEA_TRY(const Preview picture, preview_of_image(ortho, int(std::ceil(size.maxCoeff() * kPixels_per_mm))));
-  page.image(picture.jpeg, corner, size);
+  COLLINEA_TRY(const Preview preview, preview_of_image(ortho, int(std::ceil(size.maxCoeff() * kPixels_per_mm))));
+  page.image(preview.jpeg, corner, size);
   draw_grid(grid, corner, size, mm_per_m, page);
   page.rectangle(corner, size, 0.3);
   page.rectangle({5, 5}, {sheet.width_mm - 10, sheet.height_mm - 10}, 0.5);

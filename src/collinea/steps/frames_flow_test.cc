@@ -233,11 +233,11 @@ TEST_F(FacadeFlow, TheWallIsMappedAsTheGroundIs) {
   }
   ASSERT_TRUE(write_file(root_ / "walls.txt", text));
   settings_.frames.frames = (root_ / "walls.txt").string();
-  const FramesRecord told = mapped();
-  ASSERT_EQ(told.frames.size(), 1u);
-  EXPECT_EQ(told.frames[0].name, "front");
-  EXPECT_NEAR(told.frames[0].width_m, 8 * 1.02, 0.01);
-  EXPECT_NEAR(told.frames[0].height_m, 5 * 1.02, 0.01);
+  const FramesRecord given = mapped();
+  ASSERT_EQ(given.frames.size(), 1u);
+  EXPECT_EQ(given.frames[0].name, "front");
+  EXPECT_NEAR(given.frames[0].width_m, 8 * 1.02, 0.01);
+  EXPECT_NEAR(given.frames[0].height_m, 5 * 1.02, 0.01);
   EXPECT_TRUE(is_there(file("front", "ortho.tif")));
   EXPECT_FALSE(is_there(file("plane1", "ortho.tif")));
   for (const auto& [wrong, why] :

@@ -25,7 +25,8 @@ struct FramesOptions {
   static void describe(Visit&& visit) {
     using O = FramesOptions;
     visit(Field{"frames", &O::frames, "",
-                "planes that surface and orthophoto are made on as on the ground (facades); or a file with a name and "
+                "planes that surface and orthophoto are made on as on the ground: auto (planes where the images do not "
+                "look down) | map (none) | planes (upright and slanting ones of the cloud) | a file with a name and "
                 "easting, northing, height in each line: three points or more of each plane"}
               .leads_to(PathKind::kFileOrWord));
     visit(Field{"tolerance_m", &O::tolerance_m, "m",

@@ -141,7 +141,7 @@ std::string facts_section(const ReportInput& input, const ReportSummary& s) {
   return html + "</dl>\n";
 }
 
-std::string pictures(const ProductPreviews& shown, const std::string& unit, const char* of_heights) {
+std::string images_of(const ProductPreviews& shown, const std::string& unit, const char* of_heights) {
   std::string html = "<div class=\"pair\">\n";
   if (shown.ortho)
     html += "<figure>" + image_element(*shown.ortho, "Orthophoto") +
@@ -155,8 +155,8 @@ std::string pictures(const ProductPreviews& shown, const std::string& unit, cons
 std::string products_images(const ProductPreviews& map, const std::string& unit) {
   if (!map.heights && !map.ortho) return "";
   return "<section><h2>Products</h2>\n" +
-         pictures(map, unit,
-                  "Surface model, reduced; heights in colour, light from the north-west. White: no height.") +
+         images_of(map, unit,
+                   "Surface model, reduced; heights in colour, light from the north-west. White: no height.") +
          "</section>\n";
 }
 
@@ -184,9 +184,9 @@ std::string frames_section(const ReportInput& input, const ReportSummary& s,
   html += "</tbody></table>\n";
   for (std::size_t i = 0; i < frames.size() && i < previews.size(); ++i)
     html += "<h3>" + escaped(frames[i].name) + "</h3>\n" +
-            pictures(previews[i], s.unit,
-                     "Distance from the plane in colour, positive towards the viewer, light from the upper left. "
-                     "White: nothing measured.") +
+            images_of(previews[i], s.unit,
+                      "Distance from the plane in colour, positive towards the viewer, light from the upper left. "
+                      "White: nothing measured.") +
             "\n";
   return html + "</section>\n";
 }
