@@ -109,6 +109,7 @@ export const photographTests = {
     for (const name of ["P3", "P4", "P5"]) world.edit(["mark", name, "DJI_0004.jpg", ...truePixel(name, images[3]).map((one) => String(one + 0.3)), "0.3"]);
     await open("photographs/4");
     await page.locator(".readout").getByText("3 marks").waitFor();
+    await page.getByRole("button", { name: "Show", exact: true }).click();
     await page.getByLabel("Residuals of tie points").check();
     await page.getByText("400 tie points, vectors enlarged 50 ×").waitFor();
     await page.getByLabel("Vectors").selectOption("100 ×");

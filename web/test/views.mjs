@@ -42,6 +42,7 @@ const browser = await startBrowser(chromium);
 let failed = 0;
 for (const [name, test] of Object.entries({ ...photographTests, ...controlTests })) {
   if (!name.includes(only)) continue;
+  const began = Date.now();
   const context = await browser.newContext({ reducedMotion: "reduce", viewport: { width: 1280, height: 800 }, locale: "en-GB" });
   context.setDefaultTimeout(20_000);
   const complaints = [];
@@ -57,7 +58,7 @@ for (const [name, test] of Object.entries({ ...photographTests, ...controlTests 
     const shot = (name) => page.screenshot({ path: join(shots, `${name}.png`) });
     await test({ page, context, world, open, shot, judge: (what) => judge(page, what) });
     assert.deepEqual([...new Set(complaints)], []);
-    console.log(`ok      ${name}`);
+    console.log(`ok      ${name} (${((Date.now() - began) / 1000).toFixed(1)} s)`);
   } catch (error) {
     ++failed;
     console.log(`FAILED  ${name}\n${error.stack}\n  ${complaints.join("\n  ")}`);
