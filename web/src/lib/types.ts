@@ -279,7 +279,7 @@ export interface Places {
   in_block?: Omit<MarkedPoint, "redundancy"> | null;
 }
 
-export type MarkKind = "auto" | "circle" | "cross" | "chequerboard";
+export type MarkKind = "auto" | "circle" | "cross" | "chequerboard" | "tag";
 
 export interface Refined {
   pixel: Vector2;

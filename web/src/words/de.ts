@@ -335,6 +335,7 @@ export const de: Record<Key, string> = {
   "control.kind.circle": "Kreis",
   "control.kind.cross": "Kreuz",
   "control.kind.chequerboard": "Schachbrett",
+  "control.kind.tag": "codierte Marke",
   "control.refine_clicks": "Klick misst",
   "control.refine_clicks.meaning": "Ein Klick misst: das Zielzeichen neben dem Klick",
   "control.enough": "Genug bei",

@@ -333,6 +333,7 @@ export const en = {
   "control.kind.circle": "circle",
   "control.kind.cross": "cross",
   "control.kind.chequerboard": "chequerboard",
+  "control.kind.tag": "coded tag",
   "control.refine_clicks": "Refine clicks",
   "control.refine_clicks.meaning": "What is clicked is measured: the target next to the click",
   "control.enough": "Enough marks",
