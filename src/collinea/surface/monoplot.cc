@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace collinea {
 namespace {
@@ -36,11 +37,11 @@ struct Part {
   }
 };
 
-// Heights of the cells under a ray.
+// Heights of the cells under a piece of a ray.
 struct Window {
   const MapGrid* grid = nullptr;
   int column = 0, row = 0;
-  FloatImage heights_m, sigmas_m;
+  FloatImage heights_m;
 
   [[nodiscard]] double cell(int x, int y) const {
     const int c = x - column, r = y - row;
@@ -72,10 +73,6 @@ struct Window {
     };
     return Vector2d(sum(1, -1, true), sum(-1, 1, false)) / (8 * grid->cell_m);
   }
-  [[nodiscard]] double sigma(double east_m, double north_m) const {
-    const int c = int(std::floor(grid->column_of(east_m))) - column, r = int(std::floor(grid->row_of(north_m))) - row;
-    return c < 0 || r < 0 || c >= sigmas_m.width || r >= sigmas_m.height ? kNone : double(sigmas_m.at(c, r));
-  }
 };
 
 Ray ray_of(const SightLine& line, const Vector2d& pixel) {
@@ -96,7 +93,7 @@ Part part_of(const Ray& ray, const MapGrid& grid, const Span& span) {
 Result<Window> window_under(const Ray& ray, const Part& part, const HeightField& surface) {
   const MapGrid& grid = surface.grid;
   const Vector3d a = ray.at(part.first), b = ray.at(part.last);
-  Window window{&grid, 0, 0, {}, {}};
+  Window window{&grid, 0, 0, {}};
   const auto cells = [&](double one, double two, int count) {
     const int first = std::clamp(int(std::floor(std::min(one, two))) - kMargin, 0, count - 1);
     const int last = std::clamp(int(std::ceil(std::max(one, two))) + kMargin, first + 1, count);
@@ -104,53 +101,69 @@ Result<Window> window_under(const Ray& ray, const Part& part, const HeightField&
   };
   const auto [column, width] = cells(grid.column_of(a.x()), grid.column_of(b.x()), grid.width);
   const auto [row, height] = cells(grid.row_of(a.y()), grid.row_of(b.y()), grid.height);
-  if (double(width) * height > kMostCellsUnderRay)
-    return fail(Errc::kUnsupported, "the ray runs too flat over the surface to be followed");
   window.column = column;
   window.row = row;
   COLLINEA_TRY(window.heights_m, surface.read(column, row, width, height));
-  if (surface.read_sigma) {
-    COLLINEA_TRY(window.sigmas_m, surface.read_sigma(column, row, width, height));
-  }
   return window;
 }
 
-// Follows the ray until it is below the surface; where it crosses.
+// Where a ray crosses the surface, with the heights there.
 struct Crossing {
   MonoplotOutcome outcome = MonoplotOutcome::kMisses;
   double t = 0;
+  Window window = {};
 };
 
-Crossing crossing(const Ray& ray, const Part& part, const Window& window) {
+// Follows the ray until it is below the surface.
+Result<Crossing> crossing(const Ray& ray, const Part& part, const HeightField& surface) {
+  constexpr long kStepsOfPiece = 1024;  // 256 cells
+  const double length = (ray.at(part.last) - ray.at(part.first)).head<2>().norm();
+  if (length > kMostCellsAlongRay * surface.grid.cell_m)
+    return fail(Errc::kUnsupported, "the ray runs too flat over the surface to be followed");
+  const auto steps = std::max<long>(1, long(std::ceil(length / (kStep * surface.grid.cell_m))));
+  const auto t_of = [&](long k) { return part.first + (part.last - part.first) * double(k) / double(steps); };
+  Window window;
   const auto above = [&](double t) {
     const Vector3d at = ray.at(t);
     return at.z() - window.height(at.x(), at.y());
   };
-  const double length = (ray.at(part.last) - ray.at(part.first)).head<2>().norm();
-  const auto steps = std::max<long>(1, long(std::ceil(length / (kStep * window.grid->cell_m))));
   double before = part.first, was = kNone;
   bool has_gap = false;
   for (long k = 0; k <= steps; ++k) {
-    const double t = part.first + (part.last - part.first) * double(k) / double(steps), is = above(t);
+    if (k % kStepsOfPiece == 0) {  // with the step before it, from which a crossing is looked for
+      const Part piece{t_of(std::max(k - 1, 0L)), t_of(std::min(k + kStepsOfPiece, steps))};
+      COLLINEA_TRY(window, window_under(ray, piece, surface));
+    }
+    const double t = t_of(k), is = above(t);
     if (!std::isfinite(is)) {
       has_gap |= std::isfinite(was);
       continue;
     }
     if (is <= 0) {
-      if (!std::isfinite(was)) return {k == 0 ? MonoplotOutcome::kBelow : MonoplotOutcome::kHole, t};
-      if (has_gap) return {MonoplotOutcome::kHole, t};
+      if (!std::isfinite(was)) return Crossing{k == 0 ? MonoplotOutcome::kBelow : MonoplotOutcome::kHole, t};
+      if (has_gap) return Crossing{MonoplotOutcome::kHole, t};
       double low = before, high = t;  // above and below
       for (int i = 0; i < 60; ++i) {
         const double middle = 0.5 * (low + high);
         (above(middle) > 0 ? low : high) = middle;
       }
-      return {MonoplotOutcome::kFound, 0.5 * (low + high)};
+      return Crossing{MonoplotOutcome::kFound, 0.5 * (low + high), std::move(window)};
     }
     before = t;
     was = is;
     has_gap = false;
   }
-  return {has_gap || !std::isfinite(was) ? MonoplotOutcome::kHole : MonoplotOutcome::kMisses, 0};
+  return Crossing{has_gap || !std::isfinite(was) ? MonoplotOutcome::kHole : MonoplotOutcome::kMisses};
+}
+
+// Of the height of the cell there; `otherwise`: the surface states none anywhere.
+Result<double> sigma_at(const HeightField& surface, const Vector3d& position, double otherwise) {
+  if (!surface.read_sigma) return otherwise;
+  const MapGrid& grid = surface.grid;
+  const int column = int(std::floor(grid.column_of(position.x()))), row = int(std::floor(grid.row_of(position.y())));
+  if (column < 0 || row < 0 || column >= grid.width || row >= grid.height) return kNone;
+  COLLINEA_TRY(const FloatImage cell, surface.read_sigma(column, row, 1, 1));
+  return double(cell.at(0, 0));
 }
 
 Matrix3d cross_matrix(const Vector3d& v) {
@@ -214,13 +227,12 @@ Result<SurfaceMeeting> meeting(const SurfaceRay& ray, const HeightField& surface
                                std::optional<double> sigma_m) {
   const Part part = part_of(ray, surface.grid, span);
   if (!(part.first <= part.last)) return SurfaceMeeting{};
-  COLLINEA_TRY(const Window window, window_under(ray, part, surface));
-  const Crossing at = crossing(ray, part, window);
+  COLLINEA_TRY(const Crossing at, crossing(ray, part, surface));
   if (at.outcome != MonoplotOutcome::kFound) return SurfaceMeeting{.outcome = at.outcome};
   const Vector3d position = ray.at(at.t);
-  double sigma = surface.read_sigma ? window.sigma(position.x(), position.y()) : sigma_m.value_or(0);
+  COLLINEA_TRY(double sigma, sigma_at(surface, position, sigma_m.value_or(0)));
   if (!std::isfinite(sigma)) sigma = sigma_m.value_or(kNone);
-  return SurfaceMeeting{at.outcome, at.t, window.slope(position.x(), position.y()), sigma};
+  return SurfaceMeeting{at.outcome, at.t, at.window.slope(position.x(), position.y()), sigma};
 }
 
 Result<std::vector<MonoplotPoint>> monoplot(std::span<const UncertainSightLine> lines, const HeightField& surface,

@@ -43,11 +43,12 @@ struct SurfaceMeeting {
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< of the surface there, by east and north
   double sigma_m = 0;                               ///< of its height; NaN: the surface states none there
 };
-/// The ray in the coordinates of the surface. `sigma_m`: as of monoplot(). Errors: the raster; kUnsupported, more than
-/// kMostCellsUnderRay cells under the ray: it runs too flat.
+/// The ray in the coordinates of the surface. `sigma_m`: as of monoplot(). The ray is followed piece by piece: of the
+/// raster some 300 x 300 cells are held at a time, however large it is. Errors: the raster; kUnsupported, the ray
+/// passes over more than kMostCellsAlongRay cells: it runs too flat.
 [[nodiscard]] Result<SurfaceMeeting> meeting(const SurfaceRay& ray, const HeightField& surface, const HeightSpan& span,
                                              std::optional<double> sigma_m);
-inline constexpr double kMostCellsUnderRay = 1e8;
+inline constexpr double kMostCellsAlongRay = 1e6;
 inline constexpr double kLeastMeetingAngle_rad =
     0.0087;  ///< half a degree: an error of a height moves 115 times as far
 
@@ -66,7 +67,7 @@ struct MonoplotPoint {
 /// cells), a change of the ray moves what it passes by  dX = t dd + dC  and the point by  (I - d n'/n.d) dX;  an error
 /// e of the height by  d e / n.d.  Nothing is assumed of how errors of neighbouring heights depend on each other.
 /// `sigma_m`: of heights whose raster states none; nothing: exact where there is no raster of sigmas, unknown where
-/// that has no value. Cost: cells under a ray, between the lowest and the highest one of the surface. Errors: those
+/// that has no value. Cost: cells along a ray, between the lowest and the highest one of the surface. Errors: those
 /// of height_span() and meeting().
 [[nodiscard]] Result<std::vector<MonoplotPoint>> monoplot(std::span<const UncertainSightLine> lines,
                                                           const HeightField& surface, std::optional<double> sigma_m,

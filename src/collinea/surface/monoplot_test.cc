@@ -145,6 +145,41 @@ TEST(Monoplot, HeightsWithoutASigmaLeaveItUnknown) {
   EXPECT_NEAR(std::sqrt(down.covariance(2, 2)), 0.5, 1e-9);
 }
 
+// A raster of 20 km, never held as a whole: a ray that runs flat over all of it, crosswise, is followed piece by piece,
+// and meets the plane as exactly as a steep one.
+TEST(Monoplot, OfALargeRasterOnlyPiecesAreHeld) {
+  constexpr int kMany = 40'000;
+  std::int64_t largest = 0;
+  const auto height = [](double x, double y) { return 0.001 * x - 0.002 * y; };
+  const MapGrid grid{0, 0, kCell_m, kMany, kMany, ""};
+  HeightField field{.grid = grid, .read = {}, .read_sigma = {}};
+  field.read = [&](int column, int row, int width, int rows) -> Result<FloatImage> {
+    largest = std::max(largest, std::int64_t(width) * rows);
+    FloatImage out(width, rows, 1);
+    for (int y = 0; y < rows; ++y)
+      for (int x = 0; x < width; ++x)
+        out.at(x, y) = float(height(grid.east_of(column + x + 0.5), grid.north_of(row + y + 0.5)));
+    return out;
+  };
+  const Vector3d from(500, -500, 1900), to(18'000, -17'000, height(18'000, -17'000));
+  const HeightSpan span{0, 60};
+  const auto met = meeting({from, (to - from) / 100}, field, {0, 2000}, {});
+  ASSERT_TRUE(met) << met.error().message;
+  ASSERT_EQ(met->outcome, MonoplotOutcome::kFound);
+  EXPECT_LT((from + met->t * (to - from) / 100 - to).norm(), 0.2);  // heights as floats, at 4.4 degrees
+  EXPECT_NEAR(met->slope.x(), 0.001, 1e-4);
+  EXPECT_NEAR(met->slope.y(), -0.002, 1e-4);
+  EXPECT_LT(largest, 300 * 300);
+  EXPECT_EQ(meeting({from, (to - from) / 100}, field, span, {})->outcome, MonoplotOutcome::kFound);
+  // Pieces end somewhere: what is met does not depend on where the ray begins.
+  for (const double ahead : {1.0, 77.7, 500.25}) {
+    const Vector3d later = from + ahead * (to - from).normalized();
+    const auto again = meeting({later, (to - from) / 100}, field, {0, 2000}, {});
+    ASSERT_TRUE(again);
+    EXPECT_LT((later + again->t * (to - from) / 100 - to).norm(), 0.2) << ahead;
+  }
+}
+
 TEST(Monoplot, TellsWhyThereIsNoPoint) {
   const auto flat = [](double, double) { return 10.0; };
   const auto hole = [](double x, double y) { return std::hypot(x, y) < 10 ? double(kNan) : 10.0; };
