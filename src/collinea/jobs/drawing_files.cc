@@ -16,10 +16,12 @@ Result<DrawingFiles> write_drawing(const Project& project, const Drawing& drawin
   std::filesystem::create_directories(products, ignored);
   DrawingFiles written{frame ? frame->crs() : "", {"products/drawing.gpkg", "products/drawing.dxf"}};
   COLLINEA_TRY(write_geopackage(products / "drawing.gpkg", vector_layers(drawing, codes), frame ? frame->wkt1() : ""));
-  COLLINEA_TRY(write_dxf(products / "drawing.dxf", plain_layers(drawing, codes)));
+  const std::vector<VectorLayer> plain = plain_layers(drawing, codes);
+  COLLINEA_TRY(write_dxf(products / "drawing.dxf", plain));
   if (!frame) return written;
+  COLLINEA_TRY(write_dxf_layers(products / "drawing.vrt", "drawing.dxf", plain, frame->wkt1()));
   COLLINEA_TRY(write_file(products / "drawing.prj", frame->wkt1() + "\n"));
-  written.files.emplace_back("products/drawing.prj");
+  for (const char* file : {"products/drawing.vrt", "products/drawing.prj"}) written.files.emplace_back(file);
   return written;
 }
 

@@ -17,7 +17,8 @@ struct DrawingFiles {
 };
 
 /// Writes a drawing of a project: products/drawing.gpkg (vector_layers()), products/drawing.dxf (plain_layers()) and,
-/// as a drawing has no CRS of its own, products/drawing.prj. Errors: not writable; the CRS of the block.
+/// as a DXF has no CRS of its own, products/drawing.vrt, by which GDAL reads its layers in it (write_dxf_layers()), and
+/// products/drawing.prj. Errors: not writable; the CRS of the block.
 [[nodiscard]] Result<DrawingFiles> write_drawing(const Project& project, const Drawing& drawing,
                                                  std::span<const DrawingCode> codes);
 

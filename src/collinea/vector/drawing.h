@@ -90,7 +90,8 @@ struct Drawing {
 
 /// The drawing as tables: of each layer and kind of feature one ("roof_line"; fields feature, layer, code, source, the
 /// largest sigma of a vertex on each axis, and each attribute), and "vertices" with every vertex, its sigmas and its
-/// covariances. Fields and tables whose names are taken get a number behind them.
+/// covariances. Fields and tables whose names are taken get a
+/// number behind them, tables whose names a GeoPackage keeps for itself "layer_" before them.
 [[nodiscard]] std::vector<VectorLayer> vector_layers(const Drawing& drawing, std::span<const DrawingCode> codes);
 
 /// The features alone, on layers with the names that they have: for drawings (write_dxf()).

@@ -4,6 +4,7 @@
 
 #include "collinea/base/file_text.h"
 #include "collinea/vector/drawing.h"
+#include "collinea/vector/geopackage.h"
 
 namespace collinea {
 namespace {
@@ -130,10 +131,12 @@ std::vector<Drawn> drawn_by_layer(const Drawing& drawing, std::span<const Drawin
 
 std::vector<VectorLayer> vector_layers(const Drawing& drawing, std::span<const DrawingCode> codes) {
   std::vector<VectorLayer> tables;
-  FreeNames names{"vertices", "layer_styles"};
-  for (const Drawn& one : drawn_by_layer(drawing, codes))
+  FreeNames names{"vertices"};
+  for (const Drawn& one : drawn_by_layer(drawing, codes)) {
+    const std::string name = one.layer.name + "_" + std::string(word_of(one.kind));
     tables.push_back(
-        table_of(one.features, one.layer, one.kind, names.take(one.layer.name + "_" + std::string(word_of(one.kind)))));
+        table_of(one.features, one.layer, one.kind, names.take(is_reserved_table(name) ? "layer_" + name : name)));
+  }
   tables.push_back(vertex_table(drawing));
   return tables;
 }

@@ -35,6 +35,17 @@ TEST(Drawing, LayersAreThoseNamedThenThoseOfCodesThenThoseOfFeatures) {
   EXPECT_EQ(layers[2].name, "new");
 }
 
+// Layers called as tables that a GeoPackage keeps for itself are drawn all the same.
+TEST(Drawing, NoTableHasAReservedName) {
+  Drawing drawing;
+  drawing.features = {{"F1", "sqlite", VectorKind::kPoint, {}, {vertex(5, 5, 5)}},
+                      {"F2", "GPKG_x", VectorKind::kPoint, {}, {vertex(5, 5, 5)}}};
+  const auto tables = vector_layers(drawing, {});
+  ASSERT_EQ(tables.size(), 3u);
+  EXPECT_EQ(tables[0].name, "layer_sqlite_point");
+  EXPECT_EQ(tables[1].name, "layer_GPKG_x_point");
+}
+
 TEST(Drawing, TablesHoldFeaturesWithSigmasAndAttributesAndAllVertices) {
   Drawing drawing;
   drawing.features = {{"F1",

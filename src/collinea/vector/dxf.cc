@@ -3,11 +3,15 @@
 
 #include <ogr_api.h>
 
+#include <algorithm>
 #include <cctype>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 
+#include "collinea/base/file.h"
 #include "collinea/vector/drawing.h"
 #include "collinea/vector/internal/vector_file.h"
 
@@ -27,6 +31,19 @@ std::string layer_name(std::string_view name) {
 
 // A style as GDAL reads it.
 std::string pen(const LayerColour& colour) { return "PEN(c:" + text_of(colour) + ")"; }
+
+std::string in_xml(std::string_view text) {
+  constexpr std::pair<char, const char*> kEntities[] = {{'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}};
+  std::string out;
+  for (const char c : text) {
+    const auto entity = std::ranges::find(kEntities, c, &std::pair<char, const char*>::first);
+    if (entity == std::end(kEntities))
+      out += c;
+    else
+      out += entity->second;
+  }
+  return out;
+}
 
 OGRGeometryH point(const Eigen::Vector3d& position) {
   const OGRGeometryH made = OGR_G_CreateGeometry(wkbPoint25D);
@@ -76,6 +93,19 @@ Result<> write_dxf(const std::filesystem::path& path, const std::vector<VectorLa
         if (!add_row(entities, layer, row) || errors.any()) return file.not_written(errors);
   }
   return file.finish();
+}
+
+Result<> write_dxf_layers(const std::filesystem::path& path, const std::string& dxf,
+                          const std::vector<VectorLayer>& layers, const std::string& wkt) {
+  std::set<std::string> names;
+  for (const VectorLayer& layer : layers)
+    if (!layer.rows.empty()) names.insert(layer_name(layer.name));
+  std::string text = "<OGRVRTDataSource>\n";
+  for (const std::string& name : names)  // of letters, digits, _, - and $ alone
+    text += "  <OGRVRTLayer name=\"" + name + "\">\n    <SrcDataSource relativeToVRT=\"1\">" + in_xml(dxf) +
+            "</SrcDataSource>\n    <SrcSQL>SELECT * FROM entities WHERE Layer = '" + name +
+            "'</SrcSQL>\n    <LayerSRS>" + in_xml(wkt) + "</LayerSRS>\n  </OGRVRTLayer>\n";
+  return write_file(path, text + "</OGRVRTDataSource>\n");
 }
 
 }  // namespace collinea

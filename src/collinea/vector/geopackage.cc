@@ -6,6 +6,7 @@
 #include <ogr_srs_api.h>
 
 #include <cmath>
+#include <set>
 
 #include "collinea/vector/internal/layer_style.h"
 #include "collinea/vector/internal/vector_file.h"
@@ -159,10 +160,38 @@ bool add_styles(void* dataset, const std::vector<VectorLayer>& layers) {
   return true;
 }
 
+// Compared as SQLite does: without case, in ASCII.
+std::string lower(std::string_view text) {
+  std::string out(text);
+  for (char& c : out)
+    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+  return out;
+}
+
+Result<> check_names(const std::vector<VectorLayer>& layers) {
+  std::set<std::string> names;
+  for (const VectorLayer& layer : layers) {
+    if (layer.name.empty()) return fail(Errc::kBadInput, "a layer of a GeoPackage has a name");
+    if (is_reserved_table(layer.name))
+      return fail(Errc::kBadInput, "no layer of a GeoPackage can be called \"" + layer.name +
+                                       "\": the format keeps this name for itself");
+    if (!names.insert(lower(layer.name)).second)
+      return fail(Errc::kBadInput, "two layers of a GeoPackage are called \"" + layer.name + "\"");
+  }
+  return {};
+}
+
 }  // namespace
+
+bool is_reserved_table(std::string_view name) {
+  const std::string text = lower(name);
+  return text.starts_with("sqlite_") || text.starts_with("gpkg_") || text.starts_with("rtree_") ||
+         text == "layer_styles";
+}
 
 Result<> write_geopackage(const std::filesystem::path& path, const std::vector<VectorLayer>& layers,
                           const std::string& wkt) {
+  COLLINEA_TRY(check_names(layers));
   set_up_gdal();
   const FixedDate date;
   VectorFile file;

@@ -138,5 +138,44 @@ TEST(GeoPackage, AFolderThatIsNotThereIsAnError) {
   EXPECT_NE(written.error().message.find("cannot be written"), std::string::npos) << written.error().message;
 }
 
+// What a person may call a layer: letters of any script, signs, words of SQL.
+TEST(GeoPackage, AnyNameOfALayerWorksOrIsRefused) {
+  const TestFolder folder;
+  std::vector<VectorLayer> layers;
+  for (const char* name : {"D\u00e4cher (neu)", "a'b", "a\"b", "a]b[c", "select", "100 %_x", "x;y--", "\u5c4b\u6839",
+                           "a.b", "rowid", " a ", "main.t", "layer_sqlite_x"}) {
+    VectorLayer layer = two_layers()[0];
+    layer.name = name;
+    layer.style = VectorStyle{};
+    layers.push_back(layer);
+  }
+  const auto written = write_geopackage(folder / "p.gpkg", layers, "");
+  ASSERT_TRUE(written) << written.error().message;
+  set_up_gdal();
+  const GdalDataset file(
+      GDALOpenEx((folder / "p.gpkg").c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
+  ASSERT_TRUE(file);
+  for (const VectorLayer& layer : layers) {
+    const OGRLayerH read = GDALDatasetGetLayerByName(file.get(), layer.name.c_str());
+    ASSERT_TRUE(read) << layer.name;
+    EXPECT_EQ(OGR_L_GetName(read), layer.name);
+    EXPECT_EQ(OGR_L_GetFeatureCount(read, 1), 2) << layer.name;
+    OGR_L_SetSpatialFilterRect(read, 546812, 5338101, 546813, 5338102);  // by its index
+    EXPECT_EQ(OGR_L_GetFeatureCount(read, 1), 1) << layer.name;
+  }
+  for (const char* name : {"sqlite_x", "SQLITE_x", "gpkg_x", "rtree_x", "layer_styles", ""}) {
+    VectorLayer layer = two_layers()[0];
+    layer.name = name;
+    const auto refused = write_geopackage(folder / "q.gpkg", {layer}, "");
+    ASSERT_FALSE(refused) << name;
+    EXPECT_EQ(refused.error().code, Errc::kBadInput);
+    EXPECT_NE(refused.error().message.find(name), std::string::npos);
+  }
+  VectorLayer one = two_layers()[0], other = one;
+  one.name = "Roof", other.name = "rooF";
+  EXPECT_FALSE(write_geopackage(folder / "q.gpkg", {one, other}, ""));
+  EXPECT_FALSE(std::filesystem::exists(folder / "q.gpkg"));
+}
+
 }  // namespace
 }  // namespace collinea
