@@ -36,7 +36,7 @@ async function settled(page) {
 async function onScreen(page) {
   const box = await page.getByRole("application").boundingBox();
   const readout = page.locator(".readout");
-  const position = async () => [...(await readout.innerText()).matchAll(/[EN]\s+(\d+\.\d+)/g)].map((found) => Number(found[1]));
+  const position = async () => [...(await readout.innerText()).matchAll(/[EN]\s+(\d+\.\d+)/g)].slice(0, 2).map((found) => Number(found[1])); // degrees follow
   const under = async (x, y) => {
     await page.mouse.move(x + 1, y);
     await isDrawn(page);
