@@ -159,7 +159,7 @@ TEST(ObjectFrames, AThinWallHasTwoFaces) {
 TEST(ObjectFrames, TheSearchCanBeStopped) {
   std::stop_source stop;
   stop.request_stop();
-  Run run;
+  collinea::Run run;  // not the one of the test
   run.stop = stop.get_token();
   const Corner corner;
   const auto found = find_object_frames(corner.block, corner.points, {.tolerance_m = 0.1}, run);
