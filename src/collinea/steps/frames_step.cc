@@ -6,6 +6,7 @@
 #include <array>
 #include <limits>
 #include <numbers>
+#include <span>
 
 #include "collinea/base/file.h"
 #include "collinea/base/hash.h"
@@ -54,7 +55,7 @@ Result<Sample> sample_of(const Project& project, const LocalFrame* frame) {
     if (project.run.stopped()) return fail(Errc::kCancelled, "stopped");
     for (const CloudPoint& point : piece) {
       const Vector3d& p = point.position;
-      if ((Hash().add(p.x()).add(p.y()).add(p.z()).value() >> 32) <= highest)
+      if ((Hash().add(std::as_bytes(std::span(p.data(), 3))).value() >> 32) <= highest)
         taken.push_back({{p.x(), p.y(), p.z()}, point.sigma_m});
     }
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <utility>
 
@@ -27,6 +28,7 @@ constexpr double kLevel = 0.342;         // of 70 degrees: how far a wall's norm
 constexpr double kNearlyUp = 0.9397;     // of 20 degrees
 constexpr double kOutside = 0.005;       // of the points, on each side of an extent
 constexpr double kWider = 0.01;          // than what the points extend over
+constexpr double kHides = 1.2;           // sides of a voxel that what hides a plane stands off it
 
 // Sums of points, from which the plane through them follows without going through them again.
 struct Moments {
@@ -114,6 +116,21 @@ class PlaneSearch {
     return best;
   }
 
+  // Whether nothing but what lies on the plane itself stands between a point of it and a camera, both in the world.
+  [[nodiscard]] bool is_free(const Plane& plane, const Vector3d& point, const Vector3d& centre) const {
+    const Vector3d from = (point - origin_) / side_m_, way = (centre - point) / side_m_;
+    const double length = way.norm();
+    for (double at = 1; at < length; at += 0.5) {
+      const auto cell = in_grid(cell_at(from + at / length * way));
+      if (!cell) return true;  // outside there is nothing worth mention
+      if (grid_[*cell] < 0) continue;
+      const Moments& moments = voxels_[std::size_t(grid_[*cell])].moments;
+      if (std::size_t(moments.count) >= kLeastPoints && plane.distance(moments.middle()) > kHides * side_m_)
+        return false;
+    }
+    return true;
+  }
+
   [[nodiscard]] Vector3d middle_in_world(const Found& found) const { return found.plane.middle + origin_; }
 
   // The points of a plane that was found, in the world.
@@ -129,13 +146,14 @@ class PlaneSearch {
   }
 
  private:
+  static Cell cell_at(const Vector3d& in_sides) {
+    return {int(std::floor(in_sides.x())), int(std::floor(in_sides.y())), int(std::floor(in_sides.z()))};
+  }
+
   void gather() {
     std::map<Cell, std::size_t> number;  // sorted: the same for any order of the points
     voxel_of_.assign(points_.size(), -1);
-    const auto cell_of = [&](const Vector3d& p) {
-      const Vector3d at = (p - origin_) / side_m_;
-      return Cell{int(std::floor(at.x())), int(std::floor(at.y())), int(std::floor(at.z()))};
-    };
+    const auto cell_of = [&](const Vector3d& p) { return cell_at((p - origin_) / side_m_); };
     const auto is_near = [&](const Vector3d& p) {
       return ((p - origin_) / side_m_).cwiseAbs().maxCoeff() < 8 * kVoxels;
     };
@@ -157,6 +175,20 @@ class PlaneSearch {
       if (plane.rms_m <= search_.tolerance_m && 2 * plane.rms_m < plane.width_m) voxel.normal = plane.normal;
     }
     find_neighbours(number);
+    grid_.assign(std::size_t(kAlong) * kAlong * kAlong, -1);
+    for (std::size_t i = 0; i < voxels_.size(); ++i)
+      if (const auto at = in_grid(voxels_[i].cell)) grid_[*at] = std::int32_t(i);
+  }
+
+  // A grid of voxels somewhat wider than what most points extend over.
+  static constexpr int kAround = 16, kAlong = int(kVoxels) + 2 * kAround;
+  static std::optional<std::size_t> in_grid(const Cell& cell) {
+    std::size_t at = 0;
+    for (const int along : cell) {
+      if (along < -kAround || along >= kAlong - kAround) return std::nullopt;
+      at = at * kAlong + std::size_t(along + kAround);
+    }
+    return at;
   }
 
   void find_neighbours(const std::map<Cell, std::size_t>& number) {
@@ -237,6 +269,7 @@ class PlaneSearch {
   std::vector<Voxel> voxels_;
   std::vector<std::vector<std::uint32_t>> neighbours_;  // of each voxel: those that touch it
   std::vector<std::int32_t> voxel_of_;                  // of each point; -1: far from most
+  std::vector<std::int32_t> grid_;                      // the voxel of each cell; -1: none
 };
 
 struct Seen {
@@ -244,13 +277,17 @@ struct Seen {
   std::size_t frontal = 0;     // of those from the front, within 65 degrees of the normal
 };
 
-Seen seen_by(const Block& block, const OrientedImage& image, std::span<const Vector3d> points, const Vector3d& normal) {
+// Whether nothing stands between a point and a camera.
+using Sight = std::function<bool(const Vector3d& point, const Vector3d& centre)>;
+
+Seen seen_by(const Block& block, const OrientedImage& image, std::span<const Vector3d> points, const Vector3d& normal,
+             const Sight& is_free) {
   Seen seen;
   const Camera& camera = block.camera_of(image.image);
   const Vector3d centre = centre_of(image.cam_from_world);
   for (const Vector3d& p : points) {
     const auto pixel = project(camera, image.cam_from_world * p);
-    if (!pixel || !inside(camera, *pixel)) continue;
+    if (!pixel || !inside(camera, *pixel) || !is_free(p, centre)) continue;
     const double distance = (centre - p).norm(), cosine = normal.dot(centre - p) / distance;
     (cosine > 0 ? seen.front : seen.back) += std::abs(cosine) / (distance * distance);
     seen.frontal += cosine > kFrontal;
@@ -340,25 +377,30 @@ std::vector<Vector3d> lattice_on(const ObjectFrame& frame) {
   return points;
 }
 
-}  // namespace
-
 ObjectFrame frame_of_plane(const Block& block, std::span<const Vector3d> points, const Vector3d& middle,
-                           const Vector3d& normal_in_world, const Vector3d& up) {
+                           const Vector3d& normal_in_world, const Vector3d& up, const Sight& is_free) {
   const std::vector<OrientedImage> images = oriented_images(block);
   const Vector3d normal = normal_in_world.normalized();
   ObjectFrame frame = bounded_frame(points, middle, normal, up);
   const std::vector<Vector3d> shown = lattice_on(frame);
   double from_front = 0;
   for (const OrientedImage& image : images) {
-    const Seen seen = seen_by(block, image, shown, normal);
+    const Seen seen = seen_by(block, image, shown, normal, is_free);
     from_front += seen.front - seen.back;
   }
   if (from_front < 0) frame = bounded_frame(points, middle, -normal, up);
   const Vector3d front = frame.plane.world_from_plane.col(2);
   for (const OrientedImage& image : images)
-    if (seen_by(block, image, shown, front).frontal > 0) frame.images.push_back(image.image);
+    if (seen_by(block, image, shown, front, is_free).frontal > 0) frame.images.push_back(image.image);
   if (frame.images.size() < 2) frame.images.clear();
   return frame;
+}
+
+}  // namespace
+
+ObjectFrame frame_of_plane(const Block& block, std::span<const Vector3d> points, const Vector3d& middle,
+                           const Vector3d& normal_in_world, const Vector3d& up) {
+  return frame_of_plane(block, points, middle, normal_in_world, up, [](const auto&, const auto&) { return true; });
 }
 
 Result<std::vector<ObjectFrame>> find_object_frames(const Block& block, std::span<const Vector3d> points,
@@ -369,6 +411,14 @@ Result<std::vector<ObjectFrame>> find_object_frames(const Block& block, std::spa
   const Vector3d up = up_in_world(block);
   PlaneSearch planes(points, search);
   std::vector<PlaneSearch::Found> found;  // of the frames
+  const auto frame_of = [&](const PlaneSearch::Found& one, std::span<const Vector3d> its, const Vector3d& its_up) {
+    ObjectFrame frame =
+        frame_of_plane(block, its, planes.middle_in_world(one), one.plane.normal, its_up,
+                       [&](const auto& point, const auto& centre) { return planes.is_free(one.plane, point, centre); });
+    frame.area_m2 = one.area_m2;
+    frame.depth_m = default_depth_m(frame, search.tolerance_m);
+    return frame;
+  };
   for (std::size_t tried = 0; tried < kMostTried && frames.size() < search.most; ++tried) {
     run.report("frames: planes", double(tried) / kMostTried);
     auto next = planes.next(run);
@@ -376,23 +426,17 @@ Result<std::vector<ObjectFrame>> find_object_frames(const Block& block, std::spa
     if (!next || (!frames.empty() && next->area_m2 < search.least_part * frames.front().area_m2)) break;
     if (std::abs(next->plane.normal.dot(up)) > kNearlyUp) continue;
     const std::vector<Vector3d> its = planes.points_of(*next);
-    ObjectFrame frame = frame_of_plane(block, its, planes.middle_in_world(*next), next->plane.normal, up);
+    ObjectFrame frame = frame_of(*next, its, up);
     if (frame.images.empty()) continue;
     if (std::ranges::any_of(frames, [&](const ObjectFrame& larger) { return is_shown_by(larger, its, frame); }))
       continue;
-    frame.area_m2 = next->area_m2;
-    frame.depth_m = default_depth_m(frame, search.tolerance_m);
     frames.push_back(std::move(frame));
     found.push_back(*std::move(next));
   }
   const Vector3d better_up = up_by_walls(block, frames);
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const double area_m2 = frames[i].area_m2;
-    frames[i] = frame_of_plane(block, planes.points_of(found[i]), planes.middle_in_world(found[i]),
-                               found[i].plane.normal, better_up);
-    frames[i].area_m2 = area_m2;
+    frames[i] = frame_of(found[i], planes.points_of(found[i]), better_up);
     frames[i].name = "plane" + std::to_string(i + 1);
-    frames[i].depth_m = default_depth_m(frames[i], search.tolerance_m);
   }
   return frames;
 }

@@ -69,10 +69,10 @@ struct FrameSearch {
 /// The planes that dominate a cloud, by area, named plane1, plane2, ... Points are gathered in voxels, of 1/64 of what
 /// they extend over; the plane through a voxel that most others bear out (their middles lie on it, their normals agree
 /// within 25 degrees) is fitted to its points, in one piece: voxels that touch each other. Its voxels are taken away,
-/// and the next is looked for. Left out are planes within 20 degrees of level (pavements: the map shows those), those
-/// that no two images see from the front, and those that face as a larger one does and stand within its depth
-/// (windows).
-/// Deterministic; the order of the points changes nothing but rounding. Error: stopped.
+/// and the next is looked for. Voxels that hold points hide from images what lies behind them, so that both faces of a
+/// wall are found where it is some two voxels thick. Left out are planes within 20 degrees of level (pavements: the map
+/// shows those), those that no two images see from the front, and those that face as a larger one does and stand within
+/// its depth (windows). Deterministic; the order of the points changes nothing but rounding. Error: stopped.
 [[nodiscard]] Result<std::vector<ObjectFrame>> find_object_frames(const Block& block,
                                                                   std::span<const Eigen::Vector3d> points,
                                                                   const FrameSearch& search, const Run& run);
