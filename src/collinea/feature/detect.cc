@@ -91,4 +91,10 @@ Features detect_features(const GreyImage& image, const DetectOptions& o) {
   return strongest_first(found);
 }
 
+std::size_t bytes_to_detect(int width, int height, const DetectOptions& o) {
+  constexpr std::size_t kOfCorners = 13;  // a pixel
+  if (o.detector == Detector::kSift) return bytes_to_detect_sift(width, height, o.sift);
+  return kOfCorners * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+}
+
 }  // namespace collinea

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -43,7 +44,10 @@ struct DetectOptions {
 /// two apart, so that a corner is found again where the scale of two views differs by a factor of up to about 1.4.
 /// Strength: the contrast that the response stands for, in part beside that of the region (SiftOptions::evenness).
 ///
-/// Single-threaded and without chance. Memory of corners: about 12 bytes a pixel.
+/// Single-threaded and without chance.
 [[nodiscard]] Features detect_features(const GreyImage& image, const DetectOptions& options);
+
+/// The memory that takes, with the image. Of corners about 13 bytes a pixel.
+[[nodiscard]] std::size_t bytes_to_detect(int width, int height, const DetectOptions& options);
 
 }  // namespace collinea

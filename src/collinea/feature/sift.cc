@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
+#include <utility>
 
 #include "collinea/feature/internal/describe.h"
 #include "collinea/feature/internal/extrema.h"
-#include "collinea/feature/internal/scale_space.h"
+#include "collinea/feature/internal/octave_rows.h"
+#include "collinea/feature/internal/sift_memory.h"
 #include "collinea/feature/internal/spread.h"
 #include "collinea/feature/internal/strongest_first.h"
 
@@ -17,17 +20,27 @@ namespace {
 constexpr int kLeastSize_px = 16;
 constexpr double kUpsampleBelow_px2 = 2.5e6;
 constexpr double kDirectionsPerSite = 1.17;  // on an average
+// Rows that the description of a position looks at on both sides: the half diagonal of the largest patch (describe.h),
+// 1.5 times 2.5 cells of 3 blurs, turned by 45 degrees, of the coarsest level, and a row for gradients.
+constexpr int kDescribingReach = 60;
 
-// The levels that features are described on; the others are needed for detection only.
-struct DescribingLevels {
-  std::array<Plane, kSteps + 1> planes;  // 1 to kSteps
-  double pixel_px;                       // size of the octave's pixel in pixels of the image
-  double origin_px;                      // x and y of its first pixel's centre in the image
+// An octave as features are described on it: its levels 1 to kSteps, or where they are large what they are made from.
+struct DescribingOctave {
+  int width, height;
+  double pixel_px;   // size of the octave's pixel in pixels of the image
+  double origin_px;  // x and y of its first pixel's centre in the image
+  Plane level0;      // empty: that of the image, or levels are kept
+  std::optional<Octave> levels;
 };
 
 struct Candidate {
   Extremum extremum;
   std::uint32_t octave;
+
+  [[nodiscard]] std::size_t level() const {
+    return static_cast<std::size_t>(std::clamp(static_cast<int>(std::lround(extremum.level)), 1, kSteps));
+  }
+  [[nodiscard]] double blur_px() const { return blur_of_level(extremum.level); }  // in pixels of the octave
 };
 
 struct Oriented {
@@ -35,60 +48,114 @@ struct Oriented {
   float angle_rad, strength;
 };
 
-struct Detection {
-  std::vector<DescribingLevels> octaves;
-  std::vector<Candidate> candidates;
-};
+bool is_upsampled(int width, int height, const SiftOptions& options) {
+  return options.upsample.value_or(double(width) * height < kUpsampleBelow_px2);
+}
 
-Detection detect(const GreyImage& image, const SiftOptions& options, bool upsample) {
-  Detection detection;
-  Plane level0 = first_level(image, upsample);
-  for (double pixel_px = upsample ? 0.5 : 1;; pixel_px *= 2) {
-    Octave octave = octave_from(std::move(level0));
-    const auto index = static_cast<std::uint32_t>(detection.octaves.size());
-    for (const Extremum& extremum : find_extrema(octave, options.peak_threshold, options.edge_ratio))
-      detection.candidates.push_back({extremum, index});
-    level0 = next_level0(octave);
-    DescribingLevels& kept = detection.octaves.emplace_back();
-    kept.pixel_px = pixel_px;
-    kept.origin_px = upsample ? 0.25 : 0.5;  // the first pixel of every octave is that of the first octave
-    for (std::size_t level = 1; level <= kSteps; ++level) kept.planes[level] = std::move(octave[level]);
-    if (std::min(level0.width(), level0.height()) < kLeastSize_px) return detection;
+RowSource rows_of(const Plane& plane) {
+  return [&plane](int y, float* row) { std::copy_n(plane.row(y), plane.width(), row); };
+}
+
+class Detection {
+ public:
+  Detection(const GreyImage& image, const SiftOptions& options, bool upsample, std::size_t most_kept_bytes)
+      : image_(image), upsample_(upsample) {
+    Plane level0;  // of the first octave: row by row from the image
+    double pixel_px = upsample ? 0.5 : 1;
+    for (int width = image.width * (upsample ? 2 : 1), height = image.height * (upsample ? 2 : 1);; pixel_px *= 2) {
+      // The first pixel of every octave is that of the first octave.
+      octaves_.push_back({width, height, pixel_px, upsample ? 0.25 : 0.5, std::move(level0), {}});
+      level0 = look_through(options, most_kept_bytes);
+      width = level0.width(), height = level0.height();
+      if (std::min(width, height) < kLeastSize_px) return;
+    }
   }
-}
 
-// A candidate with the plane it is described on.
-struct Site {
-  const Candidate& candidate;
-  const DescribingLevels& octave;
-  const Plane& plane;
-  double blur_px;  // in pixels of the octave
+  [[nodiscard]] const std::vector<Candidate>& candidates() const { return candidates_; }
 
-  Site(const Detection& detection, std::uint32_t index)
-      : candidate(detection.candidates[index]),
-        octave(detection.octaves[candidate.octave]),
-        plane(octave.planes[static_cast<std::size_t>(
-            std::clamp(static_cast<int>(std::lround(candidate.extremum.level)), 1, kSteps))]),
-        blur_px(blur_of_level(candidate.extremum.level)) {}
+  [[nodiscard]] Keypoint keypoint(std::uint32_t candidate, float angle_rad, float strength) const {
+    const Extremum& extremum = candidates_[candidate].extremum;
+    const DescribingOctave& octave = octaves_[candidates_[candidate].octave];
+    return {.x = static_cast<float>(octave.origin_px + extremum.x * octave.pixel_px),
+            .y = static_cast<float>(octave.origin_px + extremum.y * octave.pixel_px),
+            .scale_px = static_cast<float>(candidates_[candidate].blur_px() * octave.pixel_px),
+            .angle_rad = angle_rad,
+            .strength = strength};
+  }
+
+  // Calls look(candidate, image) for some of the candidates, in ascending order, with the level they are described on.
+  template <class Look>
+  void describe(std::vector<std::uint32_t> some, const Look& look) const {
+    std::ranges::sort(some);  // neighbours one after the other: their pixels are still in the cache
+    auto begin = some.begin();
+    for (std::uint32_t i = 0; i < octaves_.size(); ++i) {
+      const auto end = std::find_if(begin, some.end(), [&](std::uint32_t c) { return candidates_[c].octave != i; });
+      describe_in(octaves_[i], {begin, end}, look);
+      begin = end;
+    }
+  }
+
+ private:
+  [[nodiscard]] RowSource level0_of(const DescribingOctave& octave) const {
+    return octave.level0.empty() ? first_level_rows(image_, upsample_) : rows_of(octave.level0);
+  }
+
+  // Finds the candidates of the last octave; answers level 0 of the next one, every second pixel of every second row,
+  // from the first on, of level kSteps.
+  Plane look_through(const SiftOptions& options, std::size_t most_kept_bytes) {
+    DescribingOctave& octave = octaves_.back();
+    const auto pixels = static_cast<std::size_t>(octave.width) * static_cast<std::size_t>(octave.height);
+    const bool are_kept = pixels * kSteps * sizeof(float) <= most_kept_bytes;
+    OctaveRows rows(octave.width, octave.height, level0_of(octave),
+                    {.reach = ExtremumSearch::kReach, .are_kept = are_kept});
+    ExtremumSearch search(options.peak_threshold, options.edge_ratio);
+    Plane next((octave.width + 1) / 2, (octave.height + 1) / 2);
+    for (int y = 0; rows.next();) {
+      search.look(rows.levels(), rows.begin(), rows.end());
+      for (; 2 * y < rows.end(); ++y) {
+        const float* in = rows.levels()[kSteps].row(2 * y);
+        float* out = next.row(y);
+        for (int x = 0; x < next.width(); ++x) out[x] = in[2 * x];
+      }
+    }
+    const auto index = static_cast<std::uint32_t>(octaves_.size() - 1);
+    for (const Extremum& extremum : std::move(search).found()) candidates_.push_back({extremum, index});
+    if (are_kept) {
+      octave.levels = std::move(rows).take_levels();
+      for (const std::size_t unused : {0, kSteps + 1, kSteps + 2}) (*octave.levels)[unused] = {};
+      octave.level0 = {};
+    }
+    return next;
+  }
+
+  template <class Look>
+  void describe_in(const DescribingOctave& octave, std::vector<std::uint32_t> some, const Look& look) const {
+    if (octave.levels) {
+      for (const std::uint32_t i : some) look(i, (*octave.levels)[candidates_[i].level()].view());
+      return;
+    }
+    if (some.empty()) return;
+    std::ranges::stable_sort(some, {}, [&](std::uint32_t i) { return candidates_[i].extremum.y; });
+    OctaveRows rows(octave.width, octave.height, level0_of(octave), {.reach = kDescribingReach, .levels = kSteps + 1});
+    for (auto next = some.begin(); next != some.end() && rows.next();)
+      for (; next != some.end() && candidates_[*next].extremum.y < float(rows.end()); ++next)
+        look(*next, rows.levels()[candidates_[*next].level()].view());
+  }
+
+  const GreyImage& image_;
+  bool upsample_;
+  std::vector<DescribingOctave> octaves_;
+  std::vector<Candidate> candidates_;
 };
-
-Keypoint keypoint(const Site& site, float angle_rad, float strength) {
-  const Extremum& extremum = site.candidate.extremum;
-  const double scale = site.octave.pixel_px;
-  return {.x = static_cast<float>(site.octave.origin_px + extremum.x * scale),
-          .y = static_cast<float>(site.octave.origin_px + extremum.y * scale),
-          .scale_px = static_cast<float>(site.blur_px * scale),
-          .angle_rad = angle_rad,
-          .strength = strength};
-}
 
 // The candidates with their directions, strongest first, as many features as wanted.
 std::vector<Oriented> choose(const Detection& detection, const GreyImage& image, const SiftOptions& options) {
+  const std::vector<Candidate>& candidates = detection.candidates();
   std::vector<Spot> spots;
-  spots.reserve(detection.candidates.size());
-  for (std::uint32_t i = 0; i < detection.candidates.size(); ++i) {
-    const float strength = detection.candidates[i].extremum.strength;
-    const Keypoint located = keypoint(Site(detection, i), 0, strength);
+  spots.reserve(candidates.size());
+  for (std::uint32_t i = 0; i < candidates.size(); ++i) {
+    const float strength = candidates[i].extremum.strength;
+    const Keypoint located = detection.keypoint(i, 0, strength);
     spots.push_back({located.x, located.y, strength});
   }
   const auto most = static_cast<std::size_t>(std::max(0, options.max_features));
@@ -99,15 +166,11 @@ std::vector<Oriented> choose(const Detection& detection, const GreyImage& image,
   std::ranges::stable_sort(order, std::ranges::greater{}, [&](std::uint32_t i) { return strengths[i]; });
   if (order.size() > most) order.resize(most);
 
-  // Neighbours are looked at one after the other: their pixels are still in the cache.
-  std::vector<std::uint32_t> by_index = order;
-  std::ranges::sort(by_index);
-  std::vector<MainDirections> directions(detection.candidates.size());
-  for (const std::uint32_t i : by_index) {
-    const Site site(detection, i);
-    directions[i] =
-        main_directions(site.plane.view(), site.candidate.extremum.x, site.candidate.extremum.y, site.blur_px);
-  }
+  std::vector<MainDirections> directions(candidates.size());
+  detection.describe(order, [&](std::uint32_t i, const BlurredImage& level) {
+    const Extremum& extremum = candidates[i].extremum;
+    directions[i] = main_directions(level, extremum.x, extremum.y, candidates[i].blur_px());
+  });
   std::vector<Oriented> chosen;
   for (const std::uint32_t i : order)
     for (std::size_t k = 0; k < directions[i].count && chosen.size() < most; ++k)
@@ -115,26 +178,50 @@ std::vector<Oriented> choose(const Detection& detection, const GreyImage& image,
   return chosen;
 }
 
+// In the order of the candidates: of octave, level, row and column.
 Features described(const Detection& detection, std::vector<Oriented> chosen) {
-  // In the order of octave, level, row and column: neighbours are described one after the other.
   std::ranges::stable_sort(chosen, {}, &Oriented::candidate);
   Features features;
-  for (const Oriented& one : chosen) {
-    const Site site(detection, one.candidate);
-    const Extremum& extremum = site.candidate.extremum;
-    features.keypoints.push_back(keypoint(site, one.angle_rad, one.strength));
-    features.descriptors.push_back(
-        describe_patch(site.plane.view(), extremum.x, extremum.y, site.blur_px, one.angle_rad));
-  }
+  for (const Oriented& one : chosen)
+    features.keypoints.push_back(detection.keypoint(one.candidate, one.angle_rad, one.strength));
+  features.descriptors.resize(chosen.size());
+  std::vector<std::uint32_t> sites;
+  for (const Oriented& one : chosen)
+    if (sites.empty() || sites.back() != one.candidate) sites.push_back(one.candidate);
+  detection.describe(sites, [&](std::uint32_t i, const BlurredImage& level) {
+    const Candidate& at = detection.candidates()[i];
+    const auto of_it = std::ranges::equal_range(chosen, i, {}, &Oriented::candidate);
+    for (auto one = of_it.begin(); one != of_it.end(); ++one)
+      features.descriptors[static_cast<std::size_t>(one - chosen.begin())] =
+          describe_patch(level, at.extremum.x, at.extremum.y, at.blur_px(), one->angle_rad);
+  });
   return features;
 }
 
 }  // namespace
 
+std::size_t bytes_to_detect_sift(int width, int height, const SiftOptions& options) {
+  constexpr double kHeldRows = 1800;  // of all levels of a band
+  const double finest = is_upsampled(width, height, options) ? 2 : 1;
+  double bytes = double(width) * height + finest * width * kHeldRows * sizeof(float);
+  bool is_first = true;
+  for (double pixels = finest * width * finest * height; pixels > 1; pixels /= 4) {
+    const double levels = pixels * kSteps * sizeof(float);
+    const bool are_kept = levels <= kMostKeptBytes;
+    if (are_kept) bytes += levels;
+    if (!are_kept && !is_first) bytes += pixels * sizeof(float);  // what the levels are made from
+    is_first = false;
+  }
+  return static_cast<std::size_t>(bytes);
+}
+
 Features detect_sift(const GreyImage& image, const SiftOptions& options) {
+  return detect_sift(image, options, kMostKeptBytes);
+}
+
+Features detect_sift(const GreyImage& image, const SiftOptions& options, std::size_t most_kept_bytes) {
   if (std::min(image.width, image.height) < kLeastSize_px) return {};
-  const bool upsample = options.upsample.value_or(double(image.width) * image.height < kUpsampleBelow_px2);
-  const Detection detection = detect(image, options, upsample);
+  const Detection detection(image, options, is_upsampled(image.width, image.height, options), most_kept_bytes);
   return strongest_first(described(detection, choose(detection, image, options)));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <optional>
 
 #include "collinea/base/options.h"
@@ -40,8 +41,12 @@ struct SiftOptions {
 /// first; of all of them the strongest are taken, where strength is counted in part beside that of the neighbours
 /// (SiftOptions::evenness, regional_strengths).
 ///
-/// Single-threaded and without chance: the same image gives the same bits. Memory: about 30 bytes per pixel of the
-/// image (120 when upsampled). An image of less than 16 pixels in width or height has no features.
+/// Single-threaded and without chance: the same image gives the same bits. An image of less than 16 pixels in width or
+/// height has no features.
 [[nodiscard]] Features detect_sift(const GreyImage& image, const SiftOptions& options);
+
+/// The memory that takes, with the image: 18 bytes a pixel (67 when upsampled) of images of up to 26 megapixels; of the
+/// finest octaves of larger ones a few rows at a time are held, twice for description, and 2.3 bytes a pixel are left.
+[[nodiscard]] std::size_t bytes_to_detect_sift(int width, int height, const SiftOptions& options);
 
 }  // namespace collinea

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "collinea/feature/internal/sift_memory.h"
 #include "collinea/math/random.h"
 
 namespace collinea {
@@ -258,6 +259,32 @@ TEST(Sift, AStraightEdgeHasNoFeatures) {
     for (int x = 0; x < 200; ++x) image.at(x, y) = x + y / 3 < 130 ? 30 : 220;
   for (const Keypoint& keypoint : detect_sift(image, above(0.01)).keypoints)
     EXPECT_TRUE(keypoint.y < 40 || keypoint.y > 160) << keypoint.x << " " << keypoint.y;
+}
+
+// Whether levels are kept, or made three times a few rows at a time, the features are the same to the bit.
+TEST(Sift, BandsOfALargeImageChangeNothing) {
+  const Scene scene(7);
+  for (const bool upsample : {false, true})
+    for (const int height : {255, 431}) {
+      GreyImage image = scene.seen(0, 1, 431);
+      image.data.resize(std::size_t(image.width) * std::size_t(height));
+      image.height = height;
+      SiftOptions options = with_upsampling(upsample);
+      options.max_features = 300;  // so that not all are described
+      const Features kept = detect_sift(image, options, std::size_t{1} << 40);
+      ASSERT_GT(kept.keypoints.size(), 100u);
+      for (const std::size_t bytes : {std::size_t{0}, std::size_t{300'000}}) {
+        const Features in_bands = detect_sift(image, options, bytes);
+        ASSERT_EQ(in_bands.keypoints.size(), kept.keypoints.size());
+        for (std::size_t i = 0; i < kept.keypoints.size(); ++i) {
+          EXPECT_EQ(in_bands.keypoints[i].x, kept.keypoints[i].x);
+          EXPECT_EQ(in_bands.keypoints[i].y, kept.keypoints[i].y);
+          EXPECT_EQ(in_bands.keypoints[i].angle_rad, kept.keypoints[i].angle_rad);
+          EXPECT_EQ(in_bands.keypoints[i].strength, kept.keypoints[i].strength);
+          EXPECT_EQ(in_bands.descriptors[i], kept.descriptors[i]);
+        }
+      }
+    }
 }
 
 }  // namespace

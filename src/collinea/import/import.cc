@@ -110,14 +110,15 @@ Result<std::vector<ImageFile>> read_headers(const fs::path& folder, const std::v
 
 // A small file may unpack to more pixels than the machine can hold: then the others are to go on without it.
 std::optional<Error> beyond_memory(const ImageHeader& header) {
-  constexpr double kBytesOfPixel = 26;  // while key points are detected, measured on images of 115 megapixels
+  constexpr double kBytesOfPixel = 12;  // of the orthophoto, measured on images of 115 megapixels
   const double pixels = double(header.width_px) * header.height_px, need = kBytesOfPixel * pixels;
   const auto have = double(usable_memory());
   if (have <= 0 || need <= have) return std::nullopt;
   return Error{
       Errc::kBadInput,
-      fmt::format("has {:.0f} megapixels ({} x {}): its key points take some {:.0f} GB of memory, and there are {:.0f}",
-                  pixels / 1e6, header.width_px, header.height_px, need / 1e9, have / 1e9)};
+      fmt::format(
+          "has {:.0f} megapixels ({} x {}): to make a map of it takes some {:.0f} GB of memory, and there are {:.0f}",
+          pixels / 1e6, header.width_px, header.height_px, need / 1e9, have / 1e9)};
 }
 
 class Importer {

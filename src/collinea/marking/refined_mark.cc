@@ -20,6 +20,8 @@ using Eigen::Vector3d;
 constexpr int kSearchRadii[] = {3, 4, 6, 9, 14};                      // where candidates are looked for
 constexpr int kRadii[] = {3, 4, 5, 6, 7, 8, 10, 12, 14, 17, 20, 24};  // in which they are measured
 
+constexpr double kGrid_px = 4;  // of the places where crosses are tried
+
 /// Squares of the grey values of a window about a plane, and what a target leaves of them.
 struct Fit {
   double pixels = 0;
@@ -81,7 +83,8 @@ std::optional<Measured> measured(const FloatImage& image, const Target& target, 
   return holds ? std::optional(out) : std::nullopt;
 }
 
-// Positions where a target of a kind may lie, those that the search measured; and the click itself.
+// Positions where a target of a kind may lie: the click, those that the search measured, and of crosses places all
+// about.
 std::vector<Vector2d> candidates(const FloatImage& image, const EdgeMap& edges, TargetKind kind,
                                  const Vector2d& click) {
   std::vector<Vector2d> all{click};
@@ -91,6 +94,10 @@ std::vector<Vector2d> candidates(const FloatImage& image, const EdgeMap& edges, 
       if ((target.at - click).norm() <= kLargestMiss_px) all.push_back(target.at);
     if (kind == TargetKind::kCircle) break;  // they have no window
   }
+  if (kind == TargetKind::kCross)  // where its bars end gradients have all directions too
+    for (double y = -kGrid_px * std::floor(kLargestMiss_px / kGrid_px); y <= kLargestMiss_px; y += kGrid_px)
+      for (double x = -kGrid_px * std::floor(kLargestMiss_px / kGrid_px); x <= kLargestMiss_px; x += kGrid_px)
+        if (std::hypot(x, y) <= kLargestMiss_px) all.push_back(click + Vector2d(x, y));
   std::vector<Vector2d> apart;
   for (const Vector2d& one : all)
     if (std::none_of(apart.begin(), apart.end(), [&](const Vector2d& other) { return (one - other).norm() < 1; }))

@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <limits>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "collinea/base/result.h"
 #include "collinea/raster/raster.h"
@@ -35,10 +37,43 @@ inline constexpr std::uint64_t kJpegPxPerByte = 1000, kDeflateBytesPerByte = 103
 [[nodiscard]] Result<> check_size(std::uint64_t width, std::uint64_t height, std::uint64_t file_bytes,
                                   std::uint64_t px_per_byte);
 
-/// Samples as a file holds them: one of the two rasters is filled, with 1 or 3 channels.
-struct Samples {
-  Raster<std::uint8_t> bytes;
-  Raster<std::uint16_t> words;
+/// Samples as a file holds them.
+struct SampleFormat {
+  int width = 0, height = 0;
+  int channels = 1;      ///< 1 or 3 of those of a pixel: others (transparency) are left out
+  bool is_deep = false;  ///< 16 bits; else 8
+};
+
+/// A rectangle of an image as it is unpacked.
+struct SamplePiece {
+  int left = 0, top = 0, width = 0, height = 0;
+  const void* samples = nullptr;  ///< of 16 or 8 bits, row by row
+  int row_px = 0;                 ///< pixels from row to row
+  int samples_of_px = 1;
+};
+
+/// An image of 8 bits and 1 or 3 channels, from the pieces of its file: no more of them than one is held. Samples of 16
+/// bits are scaled from their 0.1 to their 99.9 percentiles (over all channels together: colours stay), for which they
+/// are read twice. 3 -> 1 channel by the luma of BT.601 (as JPEG), 1 -> 3 by repetition.
+class EightBitImage {
+ public:
+  explicit EightBitImage(int channels) : channels_(channels) {}
+
+  void begin(const SampleFormat& format);
+  void take(const SamplePiece& piece);
+  /// To be asked when all was read: whether it has to be read once more.
+  [[nodiscard]] bool wants_more();
+  [[nodiscard]] Raster<std::uint8_t> image() && { return std::move(image_); }
+
+ private:
+  template <class T, class Grey>
+  void convert(const SamplePiece& piece, const Grey& grey);
+
+  int channels_;
+  SampleFormat format_;
+  std::vector<std::uint64_t> histogram_;  // of 16 bits, in the first reading
+  std::vector<std::uint8_t> scaled_;      // by sample of 16 bits, in the second one
+  Raster<std::uint8_t> image_;
 };
 
 using Size = std::array<int, 2>;  ///< width, height [px]
@@ -47,15 +82,13 @@ using Size = std::array<int, 2>;  ///< width, height [px]
 [[nodiscard]] Result<Raster<std::uint8_t>> decode_jpeg(const std::string& bytes, int channels, int shrink);
 /// Size of an image whose file has so many bytes; these are the first of them.
 [[nodiscard]] Result<Size> jpeg_size(const std::string& bytes, std::uint64_t file_bytes);
-[[nodiscard]] Result<Samples> decode_png(const std::string& bytes);
+[[nodiscard]] Result<> decode_png(const std::string& bytes, EightBitImage& image);
 [[nodiscard]] Result<Size> png_size(const std::string& bytes, std::uint64_t file_bytes);
 [[nodiscard]] Result<std::string> encode_png(const Raster<std::uint8_t>& image);
-[[nodiscard]] Result<Samples> read_tiff(const std::filesystem::path& path);
+[[nodiscard]] Result<> read_tiff(const std::filesystem::path& path, EightBitImage& image);
 [[nodiscard]] Result<Size> tiff_size(const std::filesystem::path& path);
 
-/// To 8 bits: 16-bit samples between their 0.1 and 99.9 percentiles (over all channels together: colours stay).
-[[nodiscard]] Raster<std::uint8_t> eight_bits(Samples samples);
-/// 3 -> 1 channel by the luma of BT.601 (as JPEG), 1 -> 3 by repetition.
+/// 3 -> 1 channel and 1 -> 3, as EightBitImage does.
 [[nodiscard]] Raster<std::uint8_t> with_channels(Raster<std::uint8_t> image, int channels);
 
 /// Adds EXIF and XMP to the bytes of a JPEG file.

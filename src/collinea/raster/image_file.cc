@@ -14,15 +14,16 @@ namespace {
 
 Result<Raster<std::uint8_t>> decoded(const std::filesystem::path& path, int channels, int shrink) {
   COLLINEA_TRY(const FileKind kind, kind_of_file(path));
-  Samples samples;
-  if (kind == FileKind::kTiff) {
-    COLLINEA_TRY(samples, read_tiff(path));
-  } else {
-    COLLINEA_TRY(const std::string bytes, read_bytes(path));
-    if (kind == FileKind::kJpeg) return decode_jpeg(bytes, channels, shrink);
-    COLLINEA_TRY(samples, decode_png(bytes));
+  std::string bytes;
+  if (kind != FileKind::kTiff) {
+    COLLINEA_TRY(bytes, read_bytes(path));
   }
-  Raster<std::uint8_t> image = with_channels(eight_bits(std::move(samples)), channels);
+  if (kind == FileKind::kJpeg) return decode_jpeg(bytes, channels, shrink);
+  EightBitImage gathered(channels);
+  do {
+    COLLINEA_TRY(kind == FileKind::kTiff ? read_tiff(path, gathered) : decode_png(bytes, gathered));
+  } while (gathered.wants_more());
+  Raster<std::uint8_t> image = std::move(gathered).image();
   return shrink == 1 ? std::move(image) : shrunk(image, shrink);
 }
 

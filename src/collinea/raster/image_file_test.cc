@@ -195,6 +195,44 @@ TEST(ImageFile, SixteenBitPngIsReadInTheRightByteOrder) {
   EXPECT_EQ(back.at(599, 0), 255);
 }
 
+// Rows come in seven passes; of 16 bits the file is read twice. 150 rows are more than are unpacked at once.
+TEST(ImageFile, PngInPassesIsWhatItIsInRows) {
+  const TestFolder folder;
+  for (const int bits : {8, 16}) {
+    for (const int passes : {PNG_INTERLACE_NONE, PNG_INTERLACE_ADAM7}) {
+      std::FILE* file = std::fopen((folder / (std::to_string(passes) + ".png")).c_str(), "wb");
+      png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+      png_infop info = png_create_info_struct(png);
+      png_init_io(png, file);
+      png_set_IHDR(png, info, 70, 150, bits, PNG_COLOR_TYPE_RGB_ALPHA, passes, 0, 0);
+      png_write_info(png, info);
+      std::vector<std::vector<png_byte>> rows(150);
+      std::vector<png_bytep> pointers;
+      for (int y = 0; y < 150; ++y) {
+        for (int i = 0; i < 70 * 4 * bits / 8; ++i) rows[std::size_t(y)].push_back(png_byte(i * 7 + y * 3));
+        pointers.push_back(rows[std::size_t(y)].data());
+      }
+      png_write_image(png, pointers.data());
+      png_write_end(png, nullptr);
+      png_destroy_write_struct(&png, &info);
+      std::fclose(file);
+    }
+    for (const bool is_grey : {true, false}) {
+      const auto read = [&](int passes) {
+        const auto path = folder / (std::to_string(passes) + ".png");
+        return is_grey ? read_grey(path).value() : read_colour(path).value();
+      };
+      const auto in_rows = read(PNG_INTERLACE_NONE), in_passes = read(PNG_INTERLACE_ADAM7);
+      ASSERT_EQ(in_rows.height, 150);
+      ASSERT_EQ(in_rows.channels, is_grey ? 1 : 3);
+      EXPECT_EQ(in_rows.data, in_passes.data);
+      if (bits == 8 && !is_grey) {
+        EXPECT_EQ(in_rows.at(2, 149, 1), std::uint8_t(9 * 7 + 149 * 3));
+      }
+    }
+  }
+}
+
 // Four inks as Adobe writes them (255 = none): red is magenta and yellow.
 TEST(ImageFile, PrintersInksBecomeColours) {
   const TestFolder folder;

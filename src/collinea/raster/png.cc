@@ -85,22 +85,50 @@ bool simplify(PngState& state) {
   return true;
 }
 
-bool read_rows(PngState& state, png_bytepp rows) {
+bool read_rows(PngState& state, png_bytepp rows, int count) {
+  if (setjmp(state.back)) return false;
+  png_read_rows(state.png, rows, nullptr, png_uint_32(count));
+  return true;
+}
+
+// Of interlaced ones all rows are read again and again.
+bool read_interlaced(PngState& state, png_bytepp rows) {
   if (setjmp(state.back)) return false;
   png_read_image(state.png, rows);
+  return true;
+}
+
+bool read_end(PngState& state) {
+  if (setjmp(state.back)) return false;
   png_read_end(state.png, nullptr);
   return true;
 }
 
-template <class T>
-bool read_raster(PngState& state, Raster<T>& raster) {
-  const int channels = png_get_channels(state.png, state.info);
-  COLLINEA_CHECK(channels == 1 || channels == 3);
-  raster = Raster<T>(int(png_get_image_width(state.png, state.info)), int(png_get_image_height(state.png, state.info)),
-                     channels);
-  std::vector<png_bytep> rows(std::size_t(raster.height));
-  for (int y = 0; y < raster.height; ++y) rows[std::size_t(y)] = reinterpret_cast<png_bytep>(raster.row(y));
-  return read_rows(state, rows.data());
+bool read_samples(PngState& state, EightBitImage& image) {
+  constexpr int kRows = 64;  // at once
+  const SampleFormat format{.width = int(png_get_image_width(state.png, state.info)),
+                            .height = int(png_get_image_height(state.png, state.info)),
+                            .channels = png_get_channels(state.png, state.info),
+                            .is_deep = png_get_bit_depth(state.png, state.info) == 16};
+  COLLINEA_CHECK(format.channels == 1 || format.channels == 3);
+  const bool is_interlaced = png_get_interlace_type(state.png, state.info) != PNG_INTERLACE_NONE;
+  const int most = is_interlaced ? format.height : std::min(kRows, format.height);
+  const std::size_t stride = std::size_t(format.width) * std::size_t(format.channels) * (format.is_deep ? 2 : 1);
+  std::vector<png_byte> samples(stride * std::size_t(most));
+  std::vector<png_bytep> rows;
+  for (int y = 0; y < most; ++y) rows.push_back(samples.data() + std::size_t(y) * stride);
+  image.begin(format);
+  for (int top = 0; top < format.height; top += most) {
+    const int count = std::min(most, format.height - top);
+    if (!(is_interlaced ? read_interlaced(state, rows.data()) : read_rows(state, rows.data(), count))) return false;
+    image.take({.top = top,
+                .width = format.width,
+                .height = count,
+                .samples = samples.data(),
+                .row_px = format.width,
+                .samples_of_px = format.channels});
+  }
+  return read_end(state);
 }
 
 bool write_all(PngState& state, const Raster<std::uint8_t>& image, png_bytepp rows) {
@@ -127,17 +155,13 @@ bool write_all(PngState& state, const Raster<std::uint8_t>& image, png_bytepp ro
 
 }  // namespace
 
-Result<Samples> decode_png(const std::string& bytes) {
+Result<> decode_png(const std::string& bytes, EightBitImage& image) {
   PngState state;
   state.input = &bytes;
   if (!read_header(state)) return state.error();
   COLLINEA_TRY(check_header(state, bytes.size()));
-  if (!simplify(state)) return state.error();
-  Samples samples;
-  const bool read = png_get_bit_depth(state.png, state.info) == 16 ? read_raster(state, samples.words)
-                                                                   : read_raster(state, samples.bytes);
-  if (!read) return state.error();
-  return samples;
+  if (!simplify(state) || !read_samples(state, image)) return state.error();
+  return {};
 }
 
 Result<Size> png_size(const std::string& bytes, std::uint64_t file_bytes) {

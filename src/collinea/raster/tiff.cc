@@ -2,6 +2,7 @@
 #include <tiffio.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstdarg>
 #include <cstdio>
 #include <memory>
@@ -44,18 +45,6 @@ Layout layout_of(TIFF* tiff) {
   return it;
 }
 
-// Copies the wanted channels of a block of pixels whose upper-left corner is (left, top).
-template <class T>
-void paste(Raster<T>& raster, int left, int top, const T* block, int block_width, int block_height, int samples) {
-  const int columns = std::min(block_width, raster.width - left), rows = std::min(block_height, raster.height - top);
-  for (int y = 0; y < rows; ++y) {
-    const T* from = block + std::size_t(y) * std::size_t(block_width) * std::size_t(samples);
-    T* to = raster.row(top + y) + std::size_t(left) * std::size_t(raster.channels);
-    for (int x = 0; x < columns; ++x)
-      for (int c = 0; c < raster.channels; ++c) to[x * raster.channels + c] = from[x * samples + c];
-  }
-}
-
 // Pixels that a byte of the file can stand for: of a file that is not compressed at most those that lie in it.
 std::uint64_t px_per_byte(const Layout& it) {
   const std::uint32_t bits_per_px = std::clamp(std::uint32_t(it.bits) * it.samples, 1u, 8u);
@@ -73,42 +62,46 @@ Result<> check_layout(const Layout& it, std::uint64_t file_bytes) {
   });
 }
 
-template <class T>
-bool read_blocks(TIFF* tiff, const Layout& it, Raster<T>& raster) {
-  const int width = it.tiled ? int(it.tile_width) : raster.width;
+bool read_blocks(TIFF* tiff, const Layout& it, const SampleFormat& format, EightBitImage& image) {
+  const int width = it.tiled ? int(it.tile_width) : format.width;
   const int height = it.tiled ? int(it.tile_height) : int(std::min<std::uint32_t>(it.rows_per_strip, it.height));
   if (width < 1 || height < 1) return false;
   const tmsize_t size = it.tiled ? TIFFTileSize(tiff) : TIFFStripSize(tiff);
-  const std::size_t expected = std::size_t(width) * std::size_t(height) * it.samples * sizeof(T);
+  const std::size_t bytes_of_row = std::size_t(width) * it.samples * (format.is_deep ? 2 : 1);
+  const std::size_t expected = bytes_of_row * std::size_t(height);
   if (size <= 0 || std::size_t(size) != expected || expected > (std::size_t(1) << 32)) return false;
-  std::vector<T> block(expected / sizeof(T));
-  for (int top = 0; top < raster.height; top += height)
-    for (int left = 0; left < raster.width; left += width) {
+  std::vector<std::uint8_t> block(expected);
+  image.begin(format);
+  for (int top = 0; top < format.height; top += height)
+    for (int left = 0; left < format.width; left += width) {
       const tmsize_t got = it.tiled ? TIFFReadTile(tiff, block.data(), std::uint32_t(left), std::uint32_t(top), 0, 0)
                                     : TIFFReadEncodedStrip(tiff, std::uint32_t(top / height), block.data(), size);
-      const int rows = it.tiled ? height : std::min(height, raster.height - top);
-      if (got < tmsize_t(std::size_t(width) * std::size_t(rows) * it.samples * sizeof(T))) return false;
-      paste(raster, left, top, block.data(), width, rows, it.samples);
+      const int rows = std::min(height, format.height - top);
+      if (got < tmsize_t(bytes_of_row * std::size_t(it.tiled ? height : rows))) return false;
+      image.take({.left = left,
+                  .top = top,
+                  .width = std::min(width, format.width - left),
+                  .height = rows,
+                  .samples = block.data(),
+                  .row_px = width,
+                  .samples_of_px = it.samples});
     }
   return true;
 }
 
 // Palettes, JPEG inside TIFF, inverted grey, separate planes ...: libtiff's own conversion to RGBA.
-Result<Samples> read_converted(TiffFile& file, const Layout& it) {
+Result<> read_converted(TiffFile& file, const Layout& it, EightBitImage& image) {
+  static_assert(std::endian::native == std::endian::little, "red is the first byte of libtiff's pixels");
   char reason[1024] = {};
   if (!TIFFRGBAImageOK(file.get(), reason))
     return fail(Errc::kUnsupported, std::string("this kind of TIFF: ") + reason);
   std::vector<std::uint32_t> pixels(std::size_t(it.width) * it.height);
   if (!TIFFReadRGBAImageOriented(file.get(), it.width, it.height, pixels.data(), it.orientation, 1))
     return file.error();
-  Samples samples;
-  samples.bytes = Raster<std::uint8_t>(int(it.width), int(it.height), 3);
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    samples.bytes.data[3 * i] = std::uint8_t(TIFFGetR(pixels[i]));
-    samples.bytes.data[3 * i + 1] = std::uint8_t(TIFFGetG(pixels[i]));
-    samples.bytes.data[3 * i + 2] = std::uint8_t(TIFFGetB(pixels[i]));
-  }
-  return samples;
+  const int width = int(it.width), height = int(it.height);
+  image.begin({.width = width, .height = height, .channels = 3});
+  image.take({.width = width, .height = height, .samples = pixels.data(), .row_px = width, .samples_of_px = 4});
+  return {};
 }
 
 std::uint64_t bytes_of(const std::filesystem::path& path) {
@@ -148,25 +141,18 @@ tl::unexpected<Error> TiffFile::error() const {
   return fail(Errc::kBadFormat, "damaged or incomplete TIFF" + (message_->empty() ? "" : ": " + *message_));
 }
 
-Result<Samples> read_tiff(const std::filesystem::path& path) {
+Result<> read_tiff(const std::filesystem::path& path, EightBitImage& image) {
   TiffFile file(path, "r");
   if (!file.get()) return file.error();
   const Layout it = layout_of(file.get());
   COLLINEA_TRY(check_layout(it, bytes_of(path)));
-  if (!it.plain()) return read_converted(file, it);
-  Samples samples;
-  const int width = int(it.width), height = int(it.height);
-  const int channels = it.photometric == PHOTOMETRIC_RGB ? 3 : 1;
-  bool read = false;
-  if (it.bits == 16) {
-    samples.words = Raster<std::uint16_t>(width, height, channels);
-    read = read_blocks(file.get(), it, samples.words);
-  } else {
-    samples.bytes = Raster<std::uint8_t>(width, height, channels);
-    read = read_blocks(file.get(), it, samples.bytes);
-  }
-  if (!read) return file.error();
-  return samples;
+  if (!it.plain()) return read_converted(file, it, image);
+  const SampleFormat format{.width = int(it.width),
+                            .height = int(it.height),
+                            .channels = it.photometric == PHOTOMETRIC_RGB ? 3 : 1,
+                            .is_deep = it.bits == 16};
+  if (!read_blocks(file.get(), it, format, image)) return file.error();
+  return {};
 }
 
 Result<Size> tiff_size(const std::filesystem::path& path) {

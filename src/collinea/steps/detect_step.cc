@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include "collinea/base/hash.h"
+#include "collinea/base/memory.h"
 #include "collinea/base/parallel.h"
+#include "collinea/base/shared_budget.h"
 #include "collinea/base/units.h"
 #include "collinea/edit/read_work.h"
 #include "collinea/import/reason.h"
@@ -11,6 +13,9 @@
 
 namespace collinea {
 namespace {
+
+// What images that are looked at side by side may take together; a larger one is looked at alone.
+std::size_t most_bytes() { return std::max<std::size_t>(1'000'000'000, usable_memory() / 16); }
 
 struct Detected {
   std::string hash;  ///< of the image and the options; empty: it could not be read
@@ -126,12 +131,15 @@ Result<StepOutput> detect_step(Project& project, const std::string&) {
   UnitList list{.stage = "detect"};
   for (const auto& [id, image] : images) list.units.push_back(Unit::of(UnitKind::kImage, id));
   std::vector<Detected> detected(images.size());
+  SharedBudget memory(most_bytes());
   const UnitJob job{
       .is_done =
           [&](std::size_t i) { return !anew && is_kept(project, images[i].first, wanted[i], done, detected[i]); },
       .work =
           [&](std::size_t i, const Run&) {
             const auto& [id, image] = images[i];
+            const Camera& camera = setup.cameras.at(image->camera);
+            const auto part = memory.take(bytes_to_detect(camera.width_px, camera.height_px, project.settings.detect));
             const MaskRings* hidden = masks.of(id);
             return detect_one(project, id, *image, hidden, anew ? made_from(project, *image, hidden) : wanted[i],
                               done.contains(id), detected[i]);

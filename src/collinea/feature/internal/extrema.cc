@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kBorder_px = 5;
 constexpr int kMoves = 5;
+static_assert(ExtremumSearch::kReach == kMoves + 1);
 constexpr double kWhite = 255;
 
 struct Position {
@@ -79,13 +80,13 @@ double roundness(const Differences::Quadratic& q) {
   return 2 * std::sqrt(std::max(0.0, determinant)) / std::abs(q.xx + q.yy);
 }
 
-struct Located {
+struct Summit {
   Position position;
   Extremum extremum;
 };
 
 // Follows the quadratic from pixel to pixel until its summit belongs to the pixel it was taken at.
-std::optional<Located> located(const Octave& octave, Position position, double least_contrast, double edge_ratio) {
+std::optional<Summit> located(const Octave& octave, Position position, double least_contrast, double edge_ratio) {
   const Differences differences(octave);
   const int width = octave[0].width(), height = octave[0].height();
   // A little more than half a pixel: a summit between two pixels must not be passed on for ever.
@@ -100,9 +101,9 @@ std::optional<Located> located(const Octave& octave, Position position, double l
       const double value = q.value + (q.gx * offset->x + q.gy * offset->y + q.gl * offset->level) / 2;
       const double contrast = std::abs(value) / kWhite;
       if (contrast < least_contrast || is_edge(q, edge_ratio)) return std::nullopt;
-      return Located{position,
-                     {static_cast<float>(position.x + offset->x), static_cast<float>(position.y + offset->y),
-                      static_cast<float>(position.level + offset->level), static_cast<float>(contrast * roundness(q))}};
+      return Summit{position,
+                    {static_cast<float>(position.x + offset->x), static_cast<float>(position.y + offset->y),
+                     static_cast<float>(position.level + offset->level), static_cast<float>(contrast * roundness(q))}};
     }
     position = next;
     if (position.level < 1 || position.level > kSteps || position.x < kBorder_px || position.y < kBorder_px ||
@@ -112,10 +113,10 @@ std::optional<Located> located(const Octave& octave, Position position, double l
   return std::nullopt;
 }
 
-// Pixels larger or smaller than all their neighbours in x, y and level.
-std::vector<Position> candidates(const Octave& octave, double least_contrast) {
+// Pixels of a band larger or smaller than all their neighbours in x, y and level.
+std::vector<Position> candidates(const Octave& octave, int begin, int end, double least_contrast) {
   constexpr int kDifferences = kLevels - 1;
-  const int width = octave[0].width(), height = octave[0].height();
+  const int width = octave[0].width();
   // The sampled extremum is smaller than the true one between the pixels.
   const float threshold = static_cast<float>(0.8 * least_contrast * kWhite);
   Plane ring(width, 3 * kDifferences);
@@ -128,8 +129,11 @@ std::vector<Position> candidates(const Octave& octave, double least_contrast) {
   };
   std::vector<Position> positions;
   std::vector<std::int32_t> found(static_cast<std::size_t>(width));
-  for (int y = kBorder_px - 1; y <= kBorder_px; ++y) fill(y);
-  for (int y = kBorder_px; y < height - kBorder_px; ++y) {
+  begin = std::max(begin, kBorder_px);
+  end = std::min(end, octave[0].height() - kBorder_px);
+  if (begin >= end) return {};
+  for (int y = begin - 1; y <= begin; ++y) fill(y);
+  for (int y = begin; y < end; ++y) {
     fill(y + 1);
     for (int level = 1; level <= kSteps; ++level) {
       std::array<const float*, 9> rows;
@@ -143,18 +147,22 @@ std::vector<Position> candidates(const Octave& octave, double least_contrast) {
 
 }  // namespace
 
-std::vector<Extremum> find_extrema(const Octave& octave, double least_contrast, double edge_ratio) {
-  if (octave[0].width() <= 2 * kBorder_px || octave[0].height() <= 2 * kBorder_px) return {};
-  std::vector<Located> found;
-  for (const Position& position : candidates(octave, least_contrast))
-    if (const auto one = located(octave, position, least_contrast, edge_ratio)) found.push_back(*one);
+void ExtremumSearch::look(const Octave& octave, int begin, int end) {
+  if (octave[0].width() <= 2 * kBorder_px || octave[0].height() <= 2 * kBorder_px) return;
+  for (const Position& position : candidates(octave, begin, end, least_contrast_))
+    if (const auto one = located(octave, position, least_contrast_, edge_ratio_))
+      located_.push_back({one->position.level, one->position.y, one->position.x, one->extremum});
+}
+
+std::vector<Extremum> ExtremumSearch::found() && {
+  const auto position = [](const Located& one) { return std::tuple(one.level, one.y, one.x); };
+  std::ranges::sort(located_, {}, position);
   // Two candidates may have moved to the same position.
-  std::ranges::sort(found, {}, &Located::position);
-  const auto same = std::ranges::unique(found, {}, &Located::position);
-  found.erase(same.begin(), same.end());
+  const auto same = std::ranges::unique(located_, {}, position);
+  located_.erase(same.begin(), same.end());
   std::vector<Extremum> extrema;
-  extrema.reserve(found.size());
-  for (const Located& one : found) extrema.push_back(one.extremum);
+  extrema.reserve(located_.size());
+  for (const Located& one : located_) extrema.push_back(one.extremum);
   return extrema;
 }
 

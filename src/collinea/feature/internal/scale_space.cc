@@ -32,47 +32,11 @@ float* memory(std::size_t count) {
   return static_cast<float*>(data);
 }
 
-// Rows of an image on their way through the filter along the row, and the last few results for the filter across.
-class RowFilter {
- public:
-  RowFilter(int width, int height, double sigma_px)
-      : taps_(gaussian_taps(sigma_px)),
-        radius_(static_cast<int>(taps_.size()) - 1),
-        width_(width),
-        height_(height),
-        ring_(width, 2 * radius_ + 1),
-        padded_(static_cast<std::size_t>(width + 2 * radius_ + 2 * kRowSlack)) {}
-
-  /// Calls source(y, float* row) for every row, upper first, and writes the filtered image.
-  template <class Source>
-  Plane run(const Source& source) {
-    Plane out(width_, height_);
-    std::vector<const float*> rows(static_cast<std::size_t>(2 * radius_ + 1));
-    int filled = 0;
-    for (int y = 0; y < height_; ++y) {
-      for (; filled < std::min(height_, y + radius_ + 1); ++filled) fill(source, filled);
-      for (int j = -radius_; j <= radius_; ++j)
-        rows[static_cast<std::size_t>(radius_ + j)] = ring_.row(std::clamp(y + j, 0, height_ - 1) % ring_.height());
-      filter_across_rows(rows.data(), width_, taps_.data(), radius_, out.row(y));
-    }
-    return out;
-  }
-
- private:
-  template <class Source>
-  void fill(const Source& source, int y) {
-    float* row = padded_.data() + radius_;
-    source(y, row);
-    std::fill(padded_.data(), row, row[0]);
-    std::fill(row + width_, row + width_ + radius_, row[width_ - 1]);
-    filter_along_row(row, width_, taps_.data(), radius_, ring_.row(y % ring_.height()));
-  }
-
-  std::vector<float> taps_;
-  int radius_, width_, height_;
-  Plane ring_;
-  std::vector<float> padded_;
-};
+Plane plane_of(int width, int height, const RowSource& rows) {
+  Plane out(width, height);
+  for (int y = 0; y < height; ++y) rows(y, out.row(y));
+  return out;
+}
 
 // Row y of the image at twice its size: every pixel becomes 2 x 2, interpolated at a quarter of a pixel from its
 // centre.
@@ -100,45 +64,55 @@ void Plane::Free::operator()(float* data) const { std::free(data); }
 
 double blur_of_level(double level) { return kFirstBlur_px * std::exp2(level / kSteps); }
 
+RowFilter::RowFilter(int width, int height, double sigma_px)
+    : taps_(gaussian_taps(sigma_px)),
+      radius_(static_cast<int>(taps_.size()) - 1),
+      width_(width),
+      height_(height),
+      ring_(width, 2 * radius_ + 1),
+      padded_(static_cast<std::size_t>(width + 2 * radius_ + 2 * kRowSlack)),
+      rows_(static_cast<std::size_t>(2 * radius_ + 1)) {}
+
+void RowFilter::next(const RowSource& source, float* out) {
+  COLLINEA_CHECK(next_ < height_);
+  while (filled_ < std::min(height_, next_ + radius_ + 1)) fill(source);
+  for (int j = -radius_; j <= radius_; ++j)
+    rows_[static_cast<std::size_t>(radius_ + j)] = ring_.row(std::clamp(next_ + j, 0, height_ - 1) % ring_.height());
+  filter_across_rows(rows_.data(), width_, taps_.data(), radius_, out);
+  ++next_;
+}
+
+void RowFilter::fill(const RowSource& source) {
+  float* row = padded_.data() + radius_;
+  source(filled_, row);
+  std::fill(padded_.data(), row, row[0]);
+  std::fill(row + width_, row + width_ + radius_, row[width_ - 1]);
+  filter_along_row(row, width_, taps_.data(), radius_, ring_.row(filled_ % ring_.height()));
+  ++filled_;
+}
+
 Plane blurred(const Plane& in, double sigma_px) {
-  return RowFilter(in.width(), in.height(), sigma_px).run([&](int y, float* row) {
-    std::copy_n(in.row(y), in.width(), row);
-  });
+  RowFilter filter(in.width(), in.height(), sigma_px);
+  const RowSource source = [&](int y, float* row) { std::copy_n(in.row(y), in.width(), row); };
+  return plane_of(in.width(), in.height(), [&](int, float* row) { filter.next(source, row); });
 }
 
 Plane first_level(const GreyImage& image, bool upsample) {
-  if (!upsample) {
-    const double sigma_px = std::sqrt(kFirstBlur_px * kFirstBlur_px - kBlurOfPixel_px2);
-    return RowFilter(image.width, image.height, sigma_px).run([&](int y, float* row) {
-      widen_row(image.row(y), image.width, row);
-    });
-  }
-  const double blur_px2 = 4 * (kBlurOfPixel_px2 + kBlurOfUpsampling_px2);
-  std::vector<float> near(static_cast<std::size_t>(image.width));
-  return RowFilter(2 * image.width, 2 * image.height, std::sqrt(kFirstBlur_px * kFirstBlur_px - blur_px2))
-      .run([&](int y, float* row) { upsampled_row(image, y, near.data(), row); });
+  const int times = upsample ? 2 : 1;
+  return plane_of(times * image.width, times * image.height, first_level_rows(image, upsample));
 }
 
-Octave octave_from(Plane level0) {
-  Octave octave;
-  octave[0] = std::move(level0);
-  for (int level = 1; level < kLevels; ++level) {
-    const double before = blur_of_level(level - 1), after = blur_of_level(level);
-    octave[static_cast<std::size_t>(level)] =
-        blurred(octave[static_cast<std::size_t>(level) - 1], std::sqrt(after * after - before * before));
-  }
-  return octave;
-}
-
-Plane next_level0(const Octave& octave) {
-  const Plane& from = octave[kSteps];
-  Plane to((from.width() + 1) / 2, (from.height() + 1) / 2);
-  for (int y = 0; y < to.height(); ++y) {
-    const float* in = from.row(2 * y);
-    float* out = to.row(y);
-    for (int x = 0; x < to.width(); ++x) out[x] = in[2 * x];
-  }
-  return to;
+RowSource first_level_rows(const GreyImage& image, bool upsample) {
+  const int times = upsample ? 2 : 1;
+  const double blur_px2 = times * times * (kBlurOfPixel_px2 + (upsample ? kBlurOfUpsampling_px2 : 0));
+  const auto filter = std::make_shared<RowFilter>(times * image.width, times * image.height,
+                                                  std::sqrt(kFirstBlur_px * kFirstBlur_px - blur_px2));
+  RowSource source = [&image](int y, float* row) { widen_row(image.row(y), image.width, row); };
+  if (upsample)
+    source = [&image, near = std::vector<float>(static_cast<std::size_t>(image.width))](int y, float* row) mutable {
+      upsampled_row(image, y, near.data(), row);
+    };
+  return [filter, source](int, float* row) { filter->next(source, row); };
 }
 
 }  // namespace collinea

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -24,6 +24,7 @@ class Plane {
   [[nodiscard]] const float* row(int y) const { return data_.get() + y * stride_; }
   [[nodiscard]] float at(int x, int y) const { return row(y)[x]; }
   [[nodiscard]] bool empty() const { return !data_; }
+  [[nodiscard]] std::ptrdiff_t stride() const { return stride_; }  ///< floats from row to row
   [[nodiscard]] BlurredImage view() const { return {data_.get(), stride_, width_, height_}; }
 
  private:
@@ -43,7 +44,29 @@ inline constexpr double kFirstBlur_px = 1.6;  ///< of level 0, in pixels of the 
 /// The blur of a level, which may lie between two [pixels of the octave].
 [[nodiscard]] double blur_of_level(double level);
 
-using Octave = std::array<Plane, kLevels>;
+/// Writes row y of an image; asked for all rows in order, upper first.
+using RowSource = std::function<void(int y, float* row)>;
+
+/// Convolves an image with a Gaussian, row by row: only the rows within its reach are held. The border pixels are
+/// repeated outwards.
+class RowFilter {
+ public:
+  RowFilter(int width, int height, double sigma_px);
+
+  [[nodiscard]] int radius() const { return radius_; }
+  /// Writes the next row; the source is asked for rows up to radius() below it.
+  void next(const RowSource& source, float* out);
+
+ private:
+  void fill(const RowSource& source);
+
+  std::vector<float> taps_;
+  int radius_, width_, height_;
+  int filled_ = 0, next_ = 0;  // rows of the source that are in, and that are filtered
+  Plane ring_;
+  std::vector<float> padded_;
+  std::vector<const float*> rows_;
+};
 
 /// Convolves with a Gaussian; the border pixels are repeated outwards.
 [[nodiscard]] Plane blurred(const Plane& in, double sigma_px);
@@ -53,10 +76,7 @@ using Octave = std::array<Plane, kLevels>;
 /// counted from 0, lies in the image: (x + 0.5) * (upsample ? 0.5 : 1), likewise y.
 [[nodiscard]] Plane first_level(const GreyImage& image, bool upsample);
 
-/// All levels of an octave from its level 0.
-[[nodiscard]] Octave octave_from(Plane level0);
-
-/// Level 0 of the next octave: every second pixel of every second row, from the first on, of level kSteps.
-[[nodiscard]] Plane next_level0(const Octave& octave);
+/// The same, row by row. The image must outlive it.
+[[nodiscard]] RowSource first_level_rows(const GreyImage& image, bool upsample);
 
 }  // namespace collinea

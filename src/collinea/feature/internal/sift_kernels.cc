@@ -153,7 +153,7 @@ void direction_histogram(const BlurredImage& image, float x, float y, float sigm
     const float half = std::sqrt(HWY_MAX(0.0f, radius * radius - (row - y) * (row - y)));
     const int begin = HWY_MAX(x0, static_cast<int>(std::ceil(x - half)));
     const int count = HWY_MIN(x1, static_cast<int>(std::floor(x + half))) - begin + 1;
-    const float* pixels = image.data + row * image.stride + begin;
+    const float* pixels = image.data + (row - image.first_row) * image.stride + begin;
     for (int i = 0; i < count; i += n) {
       V size, turns;
       gradient(d, pixels + i, image.stride, &size, &turns);
@@ -255,7 +255,7 @@ void gradient_patch(const BlurredImage& image, float x, float y, float angle_rad
     clip_to_band(c, s * dy, kHalfPatch, x, &begin, &end);
     clip_to_band(-s, c * dy, kHalfPatch, x, &begin, &end);
     const int count = end - begin + 1;
-    const float* pixels = image.data + row * image.stride + begin;
+    const float* pixels = image.data + (row - image.first_row) * image.stride + begin;
     for (int i = 0; i < count; i += n) {
       V size, turns;
       gradient(d, pixels + i, image.stride, &size, &turns);

@@ -28,11 +28,13 @@ void subtract_rows(const float* a, const float* b, int width, float* out);
 /// written to `found`, which has room for end - begin.
 int extrema_of_row(const float* const* rows, int begin, int end, float threshold, std::int32_t* found);
 
-/// A blurred image as the two functions below see it. Pixel indices are whole numbers at pixel centres.
+/// A blurred image as the two functions below see it, or those of its rows that they need. Pixel indices are whole
+/// numbers at pixel centres.
 struct BlurredImage {
   const float* data;
   std::ptrdiff_t stride;  ///< floats
-  int width, height;
+  int width, height;      ///< of the whole image
+  int first_row = 0;      ///< that data begins with
 };
 
 inline constexpr int kDirectionBins = 36;
