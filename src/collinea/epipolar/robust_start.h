@@ -12,6 +12,7 @@
 
 #include "collinea/base/words.h"
 #include "collinea/epipolar/robust.h"
+#include "collinea/math/least_median.h"
 
 namespace collinea {
 
@@ -27,11 +28,11 @@ inline constexpr Word<RobustStart> kRobustStartWords[] = {
     {RobustStart::kL1, "l1", "least sum of absolute errors"}};
 [[nodiscard]] constexpr std::span<const Word<RobustStart>> words(RobustStart) { return kRobustStartWords; }
 
-/// A model found without a limit for errors.
+/// A model found without a limit for errors but wrong_beyond() their standard deviation.
 template <class Model>
 struct StartFit {
   Model model;
-  std::vector<int> inliers;  ///< ascending: within 2.5 of `scale_px` (of errors in two directions 3.04: as rarely)
+  std::vector<int> inliers;  ///< ascending: within wrong_beyond(directions) times `scale_px`
   double scale_px = 0;       ///< standard deviation of one coordinate of an error, of those that count as right
   int trials = 0;
 };
@@ -47,10 +48,9 @@ concept RefinesAbsolutely = RobustProblem<P> && requires(const P& problem, const
 /// all of them when they are few, else as many as leave a chance of 1e-4 that three times none of them is free of gross
 /// errors with half of the measurements wrong.
 ///
-///     least median     min over samples of the h-th smallest e^2,  h = [n / 2] + [(p + 1) / 2], p the size of a sample
-///     scale            1.4826 (1 + 5 / (n - p)) sqrt(e^2_(h))      (Rousseeuw, Leroy 1987), of one direction; of two
-///                      the median of chi-squared with two degrees of freedom takes the place: 0.8493
-///     then             least squares of those within 2.5 scales, twice; in the end the scale is theirs
+///     least median     min over samples of the h-th smallest e^2, h by median_rank() of n errors and samples of p
+///     scale            robust_sigma() of its root
+///     then             least squares of those within wrong_beyond() scales, twice; in the end the scale is theirs
 ///
 /// The sum of absolute errors is first brought to its minimum by reweighting.
 ///
@@ -148,7 +148,7 @@ class StartSearch {
 
   // The h-th smallest squared error; infinity where so many reach the limit that it must, too.
   [[nodiscard]] double central(const Model& model, double limit = kNoLimit) {
-    const int h = std::min(size_, size_ / 2 + (kSample + 1) / 2);
+    const int h = static_cast<int>(median_rank(static_cast<std::size_t>(size_), kSample));
     int above = 0;
     for (int begin = 0; begin < size_; begin += kBlock) {
       const int end = std::min(begin + kBlock, size_);
@@ -165,8 +165,8 @@ class StartSearch {
   }
 
   [[nodiscard]] double scale_of(const Model& model) {
-    const double of_normal = directions_ == 1 ? 1.4826 : 0.8493;
-    return std::max(kExact_px, of_normal * (1 + 5.0 / (size_ - kSample)) * std::sqrt(central(model)));
+    return std::max(kExact_px,
+                    robust_sigma(std::sqrt(central(model)), static_cast<std::size_t>(size_), kSample, directions_));
   }
 
   // By those that count as right: with nearly half wrong the median is one of the largest errors of the others.
@@ -179,7 +179,7 @@ class StartSearch {
   }
 
   [[nodiscard]] std::vector<int> within(const Model& model, double scale) {
-    const double limit = (directions_ == 1 ? 2.5 : 3.04) * scale;
+    const double limit = wrong_beyond(directions_) * scale;
     problem_.squared_errors(model, 0, size_, errors_.data());
     std::vector<int> items;
     for (int i = 0; i < size_; ++i)

@@ -214,6 +214,12 @@ double TagCodes::chance_of_random(int corrected) const {
   return 4 * double(bits.size()) * ball / std::exp2(side * side);
 }
 
+int TagCodes::correctable_within(double most) const {
+  int corrected = 0;
+  while (corrected < correctable() && chance_of_random(corrected + 1) <= most) ++corrected;
+  return corrected;
+}
+
 std::optional<TagReading> read_tag(TagFamily family, TagBits bits, int most_wrong) {
   const TagCodes& codes = tag_codes(family);
   // The bits turned back by k quarters are the code of a tag that is turned by as many.

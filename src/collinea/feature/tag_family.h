@@ -52,8 +52,11 @@ struct TagCodes {
   int distance = 0;
   /// Wrong cells that do not lead to another code.
   [[nodiscard]] int correctable() const { return distance > 0 ? (distance - 1) / 2 : 0; }
-  /// The chance that random cells are read as one of the codes where so many wrong cells are corrected.
+  /// The chance that random cells are read as one of the codes where so many wrong cells are corrected; where codes are
+  /// others turned, less.
   [[nodiscard]] double chance_of_random(int corrected) const;
+  /// How many wrong cells can be corrected so that this chance stays within `most`; none where it does not even then.
+  [[nodiscard]] int correctable_within(double most) const;
 };
 [[nodiscard]] const TagCodes& tag_codes(TagFamily family);
 
@@ -63,7 +66,7 @@ struct TagCodes {
 /// A code that was read.
 struct TagReading {
   int id = 0;
-  int turns = 0;  ///< quarters, clockwise, by which the tag is turned from how it is printed
+  int turns = 0;      ///< quarters, clockwise, by which the tag is turned from how it is printed
   TagBits wrong = 0;  ///< cells that were corrected, as the tag is printed
 };
 /// Of a family the code that is nearest to bits as they were read, at most `most_wrong` cells away and no more than can

@@ -74,6 +74,31 @@ TEST(TagFamilies, ChanceOfRandomCells) {
   EXPECT_NEAR(read / 20'000.0, chance, 4 * std::sqrt(chance / 20'000));
 }
 
+// Counted over all patterns of 4x4 cells: the chance of 250 codes is above what correction is allowed to make.
+TEST(TagFamilies, ChanceOfFourTimesFourCellsIsThatOfAllPatterns) {
+  const TagCodes& codes = tag_codes(TagFamily::kAruco4x4x250);
+  for (int corrected = 0; corrected < 2; ++corrected) {
+    int read = 0;
+    for (TagBits bits = 0; bits < 65536; ++bits)
+      read += read_tag(TagFamily::kAruco4x4x250, bits, corrected).has_value();
+    EXPECT_DOUBLE_EQ(codes.chance_of_random(corrected), read / 65536.0);
+  }
+  EXPECT_NEAR(codes.chance_of_random(0), 0.0153, 0.0001);
+}
+
+TEST(TagFamilies, CorrectionIsBoundedByItsChance) {
+  for (const auto& [family, corrected] : {std::pair(TagFamily::kApriltag36h11, 3),
+                                          {TagFamily::kAruco4x4x250, 0},
+                                          {TagFamily::kAruco5x5x250, 1},
+                                          {TagFamily::kAruco6x6x250, 4},
+                                          {TagFamily::kArucoOriginal, 0}}) {
+    const TagCodes& codes = tag_codes(family);
+    EXPECT_EQ(codes.correctable_within(1e-3), corrected) << word_of(family);
+    EXPECT_EQ(codes.chance_of_random(corrected) <= 1e-3, family != TagFamily::kAruco4x4x250) << word_of(family);
+    EXPECT_EQ(codes.correctable_within(1), codes.correctable()) << word_of(family);
+  }
+}
+
 TEST(TagFamilies, NamesEndInTheNumber) {
   for (const char* name : {"12", "tag12", "T-012", "A3_12"}) EXPECT_TRUE(is_name_of_tag(name, 12)) << name;
   for (const char* name : {"112", "tag2", "12a", "", "tag", "99999999999999999999"})

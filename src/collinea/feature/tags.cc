@@ -20,7 +20,6 @@ using Eigen::Vector2d;
 using Eigen::VectorXd;
 
 constexpr double kLargestMisfit = 0.05;     // share of the variance that neither model nor noise explains
-constexpr double kChance = 1e-3;            // of random cells to be read as a code, where the family is not known
 constexpr double kGround_cells = 0.6;       // of the light ground about a tag that are looked at
 constexpr double kDirectSide_px = 200;      // beyond it the image is reduced
 constexpr double kEdgeReach_px = 4;         // about an edge of cells; what is farther away tells little of positions
@@ -215,12 +214,7 @@ struct Wanted {
   double chance = 1;  ///< of random cells to be read as a code, at most, where cells are corrected
   double least_contrast = 0, noise_grey = 0;
 
-  [[nodiscard]] int most_wrong(TagFamily family) const {
-    const TagCodes& codes = tag_codes(family);
-    int most = 0;
-    while (most < codes.correctable() && codes.chance_of_random(most + 1) <= chance) ++most;
-    return most;
-  }
+  [[nodiscard]] int most_wrong(TagFamily family) const { return tag_codes(family).correctable_within(chance); }
 };
 
 // Nothing: the fit fails, or does not describe the grey values.
@@ -393,7 +387,7 @@ std::vector<Tag> find_tags(const FloatImage& image, const TagOptions& options) {
     wanted.families = {*options.family};
   } else {
     wanted.families.assign(std::begin(kWidestTagFamilies), std::end(kWidestTagFamilies));
-    wanted.chance = kChance;
+    wanted.chance = kChanceOfCorrected;
   }
   std::vector<Tag> out;
   for (const Quad& quad : dark_quads(image, options.least_contrast, options.least_side_px)) {

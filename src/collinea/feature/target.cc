@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "collinea/feature/internal/grey_fit.h"
+#include "collinea/math/normal.h"
 
 namespace collinea {
 namespace {
@@ -27,12 +28,9 @@ int count_of(TargetKind kind) { return kind == TargetKind::kCircle ? 10 : kind =
 constexpr double kFarOut = 9;
 double phi(double u) {
   if (std::abs(u) > kFarOut) return u > 0 ? 1 : 0;
-  return 0.5 * std::erfc(-u / std::numbers::sqrt2);
+  return normal_probability(u);
 }
-double density(double u) {
-  if (std::abs(u) > kFarOut) return 0;
-  return std::exp(-u * u / 2) / std::sqrt(2 * std::numbers::pi);
-}
+double density(double u) { return std::abs(u) > kFarOut ? 0 : normal_density(u); }
 
 // Shape and its derivatives after x, y, blur and the unknowns from kFirst on.
 struct Shape {

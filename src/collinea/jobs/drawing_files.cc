@@ -18,7 +18,10 @@ Result<DrawingFiles> write_drawing(const Project& project, const Drawing& drawin
   COLLINEA_TRY(write_geopackage(products / "drawing.gpkg", vector_layers(drawing, codes), frame ? frame->wkt1() : ""));
   const std::vector<VectorLayer> plain = plain_layers(drawing, codes);
   COLLINEA_TRY(write_dxf(products / "drawing.dxf", plain));
-  if (!frame) return written;
+  if (!frame) {
+    for (const char* name : {"drawing.vrt", "drawing.prj"}) COLLINEA_TRY(remove_file(products / name));
+    return written;
+  }
   COLLINEA_TRY(write_dxf_layers(products / "drawing.vrt", "drawing.dxf", plain, frame->wkt1()));
   COLLINEA_TRY(write_file(products / "drawing.prj", frame->wkt1() + "\n"));
   for (const char* file : {"products/drawing.vrt", "products/drawing.prj"}) written.files.emplace_back(file);

@@ -18,7 +18,7 @@ struct DrawingFiles {
 
 /// Writes a drawing of a project: products/drawing.gpkg (vector_layers()), products/drawing.dxf (plain_layers()) and,
 /// as a DXF has no CRS of its own, products/drawing.vrt, by which GDAL reads its layers in it (write_dxf_layers()), and
-/// products/drawing.prj. Errors: not writable; the CRS of the block.
+/// products/drawing.prj; without a CRS neither is there. Errors: not writable; the CRS of the block.
 [[nodiscard]] Result<DrawingFiles> write_drawing(const Project& project, const Drawing& drawing,
                                                  std::span<const DrawingCode> codes);
 

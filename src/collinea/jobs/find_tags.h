@@ -38,11 +38,14 @@ struct FindTagsOptions {
   }
 };
 
-/// Finds coded tags in image files, names them and writes their centres as marks, with covariances. A tag has the name
-/// of the point that is called by its number, else of the only one whose name ends in it (is_name_of_tag()); without
-/// `control` its number, or behind the word of its family where there are several. Tags that are twice in an image,
-/// and two tags of one name, are no marks. Without `control` a tag that a single image shows is none either. Errors:
-/// the images', the control file's; a file that cannot be written; no images.
+/// Finds coded tags in image files, names them and writes their centres as marks, with covariances; images side by side
+/// on run.threads threads, with the same result for any number of them. A tag has the name of the point that is called
+/// by its number, else of the only one whose name ends in it (is_name_of_tag()); without `control` its number, or
+/// behind the word of its family where tags of several families have it. Tags that are twice in an image are no marks
+/// there. Of several tags of one point those in a single image give way; where more than one is left none is a mark.
+/// Without `control` a tag that a single image shows is none either. Errors: the images', the control file's; names
+/// that the rows or edits cannot hold; two images of one file name; a file that is read or cannot be written; no
+/// images; cancelled.
 [[nodiscard]] Result<TagsReport> find_tags_in_files(std::span<const std::filesystem::path> images,
                                                     const std::filesystem::path& out, const FindTagsOptions& options,
                                                     const Run& run);

@@ -114,6 +114,17 @@ TEST_F(GivenRelative, TypedElementsAreConvertedWithTheirSigmas) {
 }
 
 // True elements fit the points; elements that are off do not, unless their sigmas say so.
+TEST_F(GivenRelative, NothingOfPointsStaysBesideAnOrientationWithout) {
+  options_.given = typed(truth_);
+  options_.out = folder_ / "out";
+  ASSERT_TRUE(orient_pair(points(), options_));
+  ASSERT_TRUE(write_file(folder_ / "out" / "fundamental.txt", "of a pair in pixels"));
+  ASSERT_TRUE(is_there(folder_ / "out" / "coplanarity.txt") && is_there(folder_ / "out" / "findings.json"));
+  ASSERT_TRUE(orient_pair({}, options_));
+  for (const char* name : {"fundamental.txt", "coplanarity.txt", "findings.json"})
+    EXPECT_FALSE(is_there(folder_ / "out" / name)) << name;
+}
+
 TEST_F(GivenRelative, PointsAreComparedWithoutASolution) {
   options_.given = typed(truth_);
   options_.out = folder_ / "out";

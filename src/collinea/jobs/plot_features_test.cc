@@ -9,6 +9,7 @@
 
 #include "collinea/base/file.h"
 #include "collinea/edit/make_edits.h"
+#include "collinea/jobs/drawing_files.h"
 #include "collinea/jobs/test_plot_project.h"
 #include "collinea/raster/gdal_access.h"
 
@@ -99,6 +100,22 @@ TEST_F(PlotFeatures, FilesOfTheDrawingAreReadByGdalWithTheirCrs) {
   const OGRSpatialReferenceH srs = OSRNewSpatialReference(prj->c_str());
   EXPECT_EQ(std::string(OSRGetAuthorityCode(srs, nullptr)), "32633");
   OSRRelease(srs);
+}
+
+TEST_F(PlotFeatures, NoCrsStaysBesideADrawingWithout) {
+  ASSERT_TRUE(plot(four_roofs()));
+  const auto is_left = [&](const char* name) { return is_there(project() / "products" / name); };
+  ASSERT_TRUE(is_left("drawing.vrt") && is_left("drawing.prj"));
+  Block block = block_;
+  block.georeference.reset();
+  ASSERT_TRUE(ProjectStore::open(project())->write_setup(block));
+  const auto opened = open_project(project(), {});
+  ASSERT_TRUE(opened) << opened.error().message;
+  const auto written = write_drawing(*opened, {}, {});
+  ASSERT_TRUE(written) << written.error().message;
+  EXPECT_EQ(written->files.size(), 2u);
+  EXPECT_TRUE(is_left("drawing.dxf"));
+  EXPECT_FALSE(is_left("drawing.vrt") || is_left("drawing.prj"));
 }
 
 TEST_F(PlotFeatures, WhatCannotBePlottedIsStatedAndNotDrawn) {

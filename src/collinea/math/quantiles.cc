@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "collinea/base/result.h"
+#include "collinea/math/normal.h"
 
 namespace collinea {
 namespace {
@@ -86,8 +87,7 @@ double student_limit(double alpha, double degrees_of_freedom) {
 }
 
 double power_of_test(double shift, double limit) {
-  const auto below = [](double x) { return std::erfc(-x / std::numbers::sqrt2) / 2; };
-  return below(shift - limit) + below(-shift - limit);
+  return normal_probability(shift - limit) + normal_probability(-shift - limit);
 }
 
 }  // namespace collinea

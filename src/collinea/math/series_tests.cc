@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "collinea/math/normal.h"
 #include "collinea/math/quantiles.h"
 
 namespace collinea {
@@ -19,7 +20,7 @@ double half_binomial(long k, long n) {
   if (k < 0) return 0;
   if (n <= kExactPairs) return incomplete_beta(double(n - k), double(k) + 1, 0.5);
   const double z = (double(k) + 0.5 - double(n) / 2) / std::sqrt(double(n) / 4);
-  return 0.5 * std::erfc(-z / std::numbers::sqrt2);
+  return normal_probability(z);
 }
 
 }  // namespace

@@ -5,8 +5,8 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "collinea/math/normal.h"
 #include "collinea/math/random.h"
 
 namespace collinea {
@@ -25,7 +25,7 @@ std::vector<double> series(Random& random, std::size_t count, double correlation
 
 std::vector<double> probabilities(const std::vector<double>& values) {
   std::vector<double> all;
-  for (const double value : values) all.push_back(0.5 * std::erfc(-value / std::numbers::sqrt2));
+  for (const double value : values) all.push_back(normal_probability(value));
   return all;
 }
 

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <set>
 #include <tuple>
 #include <utility>
 
+#include "collinea/math/normal.h"
 #include "collinea/math/series_tests.h"
 #include "collinea/quality/internal/image_order.h"
 #include "collinea/quality/internal/tie_marginal.h"
@@ -243,7 +243,7 @@ class ResidualTester {
     const double scale = rms_of(values);
     if (!(scale > 0)) return;
     std::vector<double> probabilities;
-    for (const double value : values) probabilities.push_back(0.5 * std::erfc(-value / scale / std::numbers::sqrt2));
+    for (const double value : values) probabilities.push_back(normal_probability(value / scale));
     test_distribution(Kind::kNormal, series, axis, std::move(probabilities), rms_of(residuals));
   }
 

@@ -5,6 +5,7 @@
 #include "collinea/base/file_text.h"
 #include "collinea/vector/drawing.h"
 #include "collinea/vector/geopackage.h"
+#include "collinea/vector/internal/folded_name.h"
 
 namespace collinea {
 namespace {
@@ -13,20 +14,13 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr FileText kVertices = "vertices of all features with their standard deviations";
 constexpr const char* kAxes[] = {"e", "n", "h"};
 
-// Names of tables and fields are compared without case, in ASCII.
-std::string lower(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-  return text;
-}
-
 /// Names that differ from each other and from those that files keep for themselves.
 class FreeNames {
  public:
   explicit FreeNames(std::initializer_list<const char*> taken) : taken_(taken.begin(), taken.end()) {}
   std::string take(const std::string& wanted) {
     std::string name = wanted;
-    for (int i = 2; !taken_.insert(lower(name)).second; ++i) name = wanted + "_" + std::to_string(i);
+    for (int i = 2; !taken_.insert(folded_name(name)).second; ++i) name = wanted + "_" + std::to_string(i);
     return name;
   }
 

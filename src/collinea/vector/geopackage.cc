@@ -8,6 +8,7 @@
 #include <cmath>
 #include <set>
 
+#include "collinea/vector/internal/folded_name.h"
 #include "collinea/vector/internal/layer_style.h"
 #include "collinea/vector/internal/vector_file.h"
 
@@ -160,14 +161,6 @@ bool add_styles(void* dataset, const std::vector<VectorLayer>& layers) {
   return true;
 }
 
-// Compared as SQLite does: without case, in ASCII.
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out)
-    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-  return out;
-}
-
 Result<> check_names(const std::vector<VectorLayer>& layers) {
   std::set<std::string> names;
   for (const VectorLayer& layer : layers) {
@@ -175,7 +168,7 @@ Result<> check_names(const std::vector<VectorLayer>& layers) {
     if (is_reserved_table(layer.name))
       return fail(Errc::kBadInput, "no layer of a GeoPackage can be called \"" + layer.name +
                                        "\": the format keeps this name for itself");
-    if (!names.insert(lower(layer.name)).second)
+    if (!names.insert(folded_name(layer.name)).second)
       return fail(Errc::kBadInput, "two layers of a GeoPackage are called \"" + layer.name + "\"");
   }
   return {};
@@ -184,7 +177,7 @@ Result<> check_names(const std::vector<VectorLayer>& layers) {
 }  // namespace
 
 bool is_reserved_table(std::string_view name) {
-  const std::string text = lower(name);
+  const std::string text = folded_name(name);
   return text.starts_with("sqlite_") || text.starts_with("gpkg_") || text.starts_with("rtree_") ||
          text == "layer_styles";
 }

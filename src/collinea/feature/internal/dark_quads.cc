@@ -7,6 +7,8 @@
 #include <numeric>
 #include <optional>
 
+#include "collinea/feature/curves.h"
+
 namespace collinea {
 namespace {
 
@@ -146,12 +148,6 @@ std::vector<std::vector<DarkRun>> large_components(const DarkRuns& dark, double 
 // --- outlines
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-double area_of(const std::vector<Vector2d>& polygon) {
-  double twice = 0;
-  for (std::size_t i = 0; i < polygon.size(); ++i) twice += cross(polygon[i], polygon[(i + 1) % polygon.size()]);
-  return twice / 2;
-}
 
 // The convex hull of the pixels of a component, clockwise in the image.
 std::vector<Vector2d> hull_of(const std::vector<DarkRun>& runs) {

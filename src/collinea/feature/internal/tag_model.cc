@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "collinea/math/normal.h"
+
 namespace collinea {
 namespace {
 
@@ -15,9 +17,6 @@ using Eigen::VectorXd;
 
 constexpr double kFar = 5;  // sigmas beyond which a cell tells nothing of a pixel
 constexpr double kLeastBlurPx = 0.2, kLargestBlurPx = 8;
-
-double phi(double u) { return 0.5 * std::erfc(-u / std::numbers::sqrt2); }
-double density(double u) { return std::exp(-u * u / 2) / std::sqrt(2 * std::numbers::pi); }
 
 Matrix2d axes_of(const VectorXd& u) {
   Matrix2d a;
@@ -71,8 +70,8 @@ ByCorrelation by_correlation(double a, double b, double r) {
     out.value += kWeights[k] * std::exp(-(a * a + b * b - 2 * a * b * sine) / (2 * (1 - sine * sine)));
   }
   out.value *= end / (2 * std::numbers::pi);
-  out.by_a = density(a) * (phi((b - r * a) / rest) - phi(b));
-  out.by_b = density(b) * (phi((a - r * b) / rest) - phi(a));
+  out.by_a = normal_density(a) * (normal_probability((b - r * a) / rest) - normal_probability(b));
+  out.by_b = normal_density(b) * (normal_probability((a - r * b) / rest) - normal_probability(a));
   out.by_r = std::exp(-(a * a + b * b - 2 * r * a * b) / (2 * rest * rest)) / (2 * std::numbers::pi * rest);
   return out;
 }
@@ -158,7 +157,7 @@ CellShares cell_shares(double s, double sigma, int side) {
   for (int i = 0; i < out.count; ++i) {
     const double t = (out.first + i + 1 - s) / sigma;
     const bool is_last = i + 1 == out.count;
-    const double above = is_last ? 1 : phi(t), d = is_last ? 0 : density(t), moment = d * t;
+    const double above = is_last ? 1 : normal_probability(t), d = is_last ? 0 : normal_density(t), moment = d * t;
     out.share[std::size_t(i)] = above - below;
     out.by_position[std::size_t(i)] = (below_density - d) / sigma;
     out.by_log_sigma[std::size_t(i)] = below_moment - (is_last ? 0 : moment);

@@ -207,7 +207,11 @@ Result<> write_tables(const RelativeReport& report, const fs::path& folder) {
   COLLINEA_TRY(write_file(folder / "parameters.txt", text_of(relative_parameter_table(report))));
   COLLINEA_TRY(write_file(folder / "correlations.txt", text_of(relative_correlation_table(report))));
   COLLINEA_TRY(write_file(folder / "exterior.txt", text_of(relative_exterior_table(report))));
-  if (report.names.empty()) return {};
+  if (report.names.empty()) {  // nothing of earlier points stays beside it
+    for (const char* name : {"fundamental.txt", "coplanarity.txt", "findings.json"})
+      COLLINEA_TRY(remove_file(folder / name));
+    return {};
+  }
   COLLINEA_TRY(write_fundamental(report, folder));
   COLLINEA_TRY(write_file(folder / "coplanarity.txt", text_of(relative_coplanarity_table(report))));
   return write_file(folder / "findings.json", findings_json_text(report.findings));

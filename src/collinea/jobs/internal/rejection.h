@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <vector>
+#include <utility>
 
 #include "collinea/report/single_step.h"
 
@@ -31,9 +31,8 @@ template <class Derived>
 template <class Fit, class Tests, class Flag>
 [[nodiscard]] auto fitted_with_rejection(const Rejection& rule, const Fit& fit, const Tests& tests,
                                          const Flag& is_rejected) {
-  while (true) {
-    auto found = fit();
-    if (!found || !rule.is_asked || found->redundancy <= rule.least_redundancy) return found;
+  auto found = fit();
+  while (found && rule.is_asked && found->redundancy > rule.least_redundancy) {
     const VarianceTest variance{found->sigma0, found->redundancy, rule.sigmas_are_stated, rule.alpha};
     std::size_t worst = 0, k = 0;
     double largest = 0;
@@ -44,13 +43,17 @@ template <class Fit, class Tests, class Flag>
       }
       ++k;
     }
-    if (!(largest / variance.of_tests() > variance.limit())) return found;
+    if (!(largest / variance.of_tests() > variance.limit())) break;
     auto&& flag = is_rejected(worst);
     flag = true;
-    if (fit()) continue;
-    flag = false;  // not enough is left without it
-    return found;
+    auto without = fit();
+    if (!without) {
+      flag = false;  // not enough is left without it
+      break;
+    }
+    found = std::move(without);
   }
+  return found;
 }
 
 }  // namespace collinea

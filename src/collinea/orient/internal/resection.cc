@@ -12,6 +12,7 @@
 #include "collinea/epipolar/p3p.h"
 #include "collinea/epipolar/robust.h"
 #include "collinea/geometry/rotation.h"
+#include "collinea/math/least_median.h"
 
 namespace collinea {
 namespace {
@@ -273,7 +274,7 @@ std::optional<Resection> resect_without_limit(const Camera& camera, const Measur
   constexpr double kUncapped_px = 1e6;
   const auto fit = robust_start(PoseProblem(camera, mixed, kUncapped_px), options.start, 2, random);
   if (!fit) return std::nullopt;
-  options.max_error_px = std::min(options.max_error_px, std::max(1.0, 3.04 * fit->scale_px));
+  options.max_error_px = std::min(options.max_error_px, std::max(1.0, wrong_beyond(2) * fit->scale_px));
   return concluded<6>({fit->model, camera}, measured, options);
 }
 
