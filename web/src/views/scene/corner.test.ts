@@ -63,8 +63,8 @@ test("within a surface the rim of another one does not count, at its rim it does
     const ray: PickRay = { origin: [x, y, 50], direction: [0, 0, -1], radius_m: 0.5, slope: 0 };
     return placedBy(ray, ...clicked(points, ray), 0.02).sigmas_m.slice(0, 2);
   };
-  for (const inside of [[0.25, 0.25], [0.3, 0.2], [0.2, 0.38]] as const) for (const sigma of across(...inside)) expect(sigma, `${inside}`).toBeCloseTo(0.02, 9);
-  for (const rim of [[0, 0], [0.3, 0.02], [0.02, 0.3]] as const) for (const sigma of across(...rim)) expect(sigma, `${rim}`).toBeGreaterThan(0.1);
+  for (const [x, y] of [[0.25, 0.25], [0.3, 0.2], [0.2, 0.38]] as const) for (const sigma of across(x, y)) expect(sigma, `${x} ${y}`).toBeCloseTo(0.02, 9);
+  for (const [x, y] of [[0, 0], [0.3, 0.02], [0.02, 0.3]] as const) for (const sigma of across(x, y)) expect(sigma, `${x} ${y}`).toBeGreaterThan(0.1);
 });
 
 test("a single point has no spacing, and is as uncertain as it is known and far from the ray", () => {
