@@ -10,7 +10,6 @@ import { drawingTests } from "./drawing_tests.mjs";
 import { readValue } from "./height.mjs";
 import { countRequests, quiet } from "./quiet.mjs";
 import { sceneTests } from "./scene_tests.mjs";
-import { standIn } from "./stand_in.mjs";
 import { browserAt, makeProject, serve, startBrowser } from "./station.mjs";
 import { stereoTests } from "./stereo_tests.mjs";
 import { workTests } from "./work_tests.mjs";
@@ -40,6 +39,15 @@ function watch(context) {
     if (message.type() === "error" && !isRefusal) complaints.push(`console: ${message.text()} (${message.location().url})`);
   });
   context.on("weberror", (error) => complaints.push(`page: ${error.error().stack}`));
+}
+
+/** A window of a browser that was let in where `other` was. Nothing may go wrong in it, unless that is what it is for. */
+async function newWindow(browser, other, isWatched = true) {
+  const storage = other ? { storageState: await other.storageState() } : {};
+  const context = await browser.newContext({ reducedMotion: "reduce", viewport: sizes[0], locale: "en-GB", ...storage });
+  countRequests(context);
+  if (isWatched) watch(context);
+  return context;
 }
 
 const rail = (page, name) => page.getByRole("navigation", { name: "Views" }).getByRole("link", { name, exact: true });
@@ -274,7 +282,7 @@ const tests = {
   },
 
   async "what a server does not offer is said in its place"({ browser, context, project }) {
-    const apart = await browser.newContext({ reducedMotion: "reduce", viewport: sizes[0], locale: "en-GB", storageState: await context.storageState() });
+    const apart = await newWindow(browser, context, false);
     await apart.route(/\/(map|images|ties|control)(\?|$)/, (route) => route.fulfill({ status: 404, json: { error: "there is nothing of this name" } }));
     const page = await apart.newPage();
     await page.goto(`${base}/#/${project.id}/map`);
@@ -345,17 +353,13 @@ mkdirSync(shots, { recursive: true });
 const browser = await startBrowser(chromium);
 let failed = 0;
 try {
-  const context = await browser.newContext({ reducedMotion: "reduce", viewport: sizes[0], locale: "en-GB" });
-  watch(context);
-  countRequests(context);
+  const context = await newWindow(browser);
   const page = await context.newPage();
   await page.goto(server.link);
   await page.waitForURL(`${base}/#/**`);
-  const held = await standIn(context, base, project);
+  const [held] = await (await context.request.get(`${base}/api/projects`)).json();
   // In a window of its own: of the tabs of one window those behind get one frame a second.
-  const elsewhere = await browser.newContext({ reducedMotion: "reduce", viewport: sizes[0], locale: "en-GB", storageState: await context.storageState() });
-  watch(elsewhere);
-  const second = await elsewhere.newPage();
+  const second = await (await newWindow(browser, context)).newPage();
   await second.goto(base);
   for (const [name, test] of Object.entries({ ...tests, ...stereoTests }).filter(([name]) => !only || new RegExp(only).test(name))) {
     const began = Date.now();
