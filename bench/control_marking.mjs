@@ -70,6 +70,7 @@ async function mark(truth) {
 
   let events = 0;
   const predictions = []; // how far off they are, of the third mark of a point and later ones [px]
+  const passed = new Set(); // points and photographs that were gone by
   const used = { predicted: 0, pointed: 0, skipped: 0 };
   const press = (key) => (++events, page.keyboard.press(key));
   /** Whether a target is found where the key looks for it, and marked. */
@@ -88,7 +89,7 @@ async function mark(truth) {
       const [, file] = await shown(page);
       const target = truth.pixelOfWorld(file, truth.marks[point].world);
       const place = (await get(`control/${encodeURIComponent(point)}/places`)).places.find((one) => one.file.endsWith(file));
-      const off = target ? apart(place.pixel, target) : Infinity;
+      const off = target && place ? apart(place.pixel, target) : Infinity; // by the marks since, the photograph may not show it
       if (target && before.length >= 2) predictions.push(off);
       const isLast = before.length + 1 === enough && point === points.at(-1);
       const isNext = async () => {
@@ -102,6 +103,8 @@ async function mark(truth) {
         if (target) await page.mouse.move(x, y);
         const isMarked = target && (await measured("Space"));
         ++used[isMarked ? "pointed" : "skipped"];
+        if (!isMarked && passed.has(`${point} ${file}`)) throw new Error(`${point} cannot be marked in ${enough} photographs: ${file} comes again`);
+        passed.add(`${point} ${file}`);
         await press(isMarked ? "Enter" : "n");
       }
       await until(page, isNext);

@@ -50,7 +50,7 @@ async function newWindow(browser, other, isWatched = true) {
   return context;
 }
 
-const rail = (page, name) => page.getByRole("navigation", { name: "Views" }).getByRole("link", { name, exact: true });
+const rail = (page, name, views = "Views") => page.getByRole("navigation", { name: views }).getByRole("link", { name, exact: true });
 const field = (page, name) => page.getByRole("textbox", { name: new RegExp(`^${name}`) });
 const stepRow = (page, name) => page.getByRole("row").filter({ has: page.getByRole("link", { name, exact: true }) });
 
@@ -226,11 +226,19 @@ const tests = {
   ...workTests,
   ...sceneTests,
 
-  async "the language is switched and kept"({ page }) {
+  async "the language is switched and kept, and options have help in it"({ page, project }) {
     await page.getByLabel("Language").selectOption("de");
     await page.getByRole("navigation", { name: "Ansichten" }).getByRole("link", { name: "Karte" }).waitFor();
     assert.equal(await page.evaluate(() => document.documentElement.lang), "de");
     await page.reload();
+    await rail(page, "Projekt", "Ansichten").click();
+    const steps = await page.getByRole("region", { name: "Schritte" }).getByRole("link").allInnerTexts();
+    assert.ok(steps.includes("adjust"), `${steps}`);
+    for (const step of steps.filter((one) => /^[a-z]+$/.test(one))) {
+      await page.goto(`${base}/#/${project.id}/project/step/${step}`);
+      await page.getByRole("heading", { name: `Optionen von ${step}` }).waitFor();
+      assert.deepEqual(await page.locator('.help [lang="en"]').allInnerTexts(), [], `help of ${step} in English`);
+    }
     await page.getByLabel("Sprache").selectOption("en");
   },
 

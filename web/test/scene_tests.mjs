@@ -155,9 +155,8 @@ export const sceneTests = {
 
   // Rays are parallel and what is measured lies on them: the distance in plan is that of the pixels.
   async "a distance between points comes with its standard deviation"({ page, project }) {
+    await page.getByRole("button", { name: "Measure" }).click(); // the view is less high then
     const { perPixel, relative } = await mapOnScreen(page, project);
-    await settled(page);
-    await page.getByRole("button", { name: "Measure" }).click();
     await settled(page);
     const box = await scene(page).boundingBox();
     const picks = [];
