@@ -65,27 +65,18 @@ async function clickAll(page, places, features) {
   await page.getByRole("listbox", { name: `${features} features` }).waitFor();
 }
 
-/** A click near a corner of the chosen feature moves nothing; dragged, the corner goes as far as the pointer, wherever it was taken hold of. */
-async function cornerDragged(page, get) {
-  const screen = await onScreen(page); // with other tools the map lies elsewhere
-  const corner = async () => screen((await get("drawing")).features[1].vertices[0].position);
-  const [x, y] = await corner();
-  const { number } = await get("edits");
-  await page.mouse.click(x + 4, y);
-  await quiet(page, 400); // longer than a double click takes
-  assert.equal((await get("edits")).number, number);
-  const asked = page.waitForResponse((response) => response.request().method() === "POST" && response.url().endsWith("/edits"));
-  await page.mouse.move(x + 4, y);
-  await page.mouse.down();
-  await page.mouse.move(x + 24, y - 10, { steps: 4 });
-  await page.mouse.up();
-  await asked;
-  const off = Math.hypot(...(await corner()).map((value, axis) => value - [x + 20, y - 10][axis]));
-  assert.ok(off < 1.5, `${off} px`); // the pointer is at whole pixels
-  // No feature is chosen then: of one that is undone no figures are asked for.
-  const box = await page.getByRole("application").boundingBox();
-  await page.mouse.click(box.x + box.width - 30, box.y + box.height - 30);
-  await page.getByRole("heading", { name: /^F2/ }).waitFor({ state: "detached" });
+/** An edit that was sent by the page is answered when `act` is done. */
+async function edited(page, act) {
+  const answered = page.waitForResponse((response) => response.request().method() === "POST" && response.url().endsWith("/edits"));
+  await act();
+  await answered;
+}
+
+/** Takes back edits by the key, until so many are left. */
+async function undone(page, get, number) {
+  await page.getByRole("application").focus();
+  for (let edits = (await get("edits")).number - number; edits > 0; --edits) await edited(page, () => page.keyboard.press("Control+z"));
+  assert.deepEqual((await get("drawing")).features, []);
 }
 
 export const drawingTests = {
@@ -172,14 +163,34 @@ export const drawingTests = {
       else assert.match(info.stdout, /Feature Count: 2/);
     }
 
-    await cornerDragged(page, get);
+    await undone(page, get, before);
+  },
 
-    await page.getByRole("application").focus();
-    for (let edits = (await get("edits")).number - before; edits > 0; --edits) {
-      const asked = page.waitForResponse((response) => response.request().method() === "POST" && response.url().endsWith("/edits"));
-      await page.keyboard.press("Control+z");
-      await asked;
-    }
-    assert.deepEqual((await get("drawing")).features, []);
+  async "a corner of the chosen feature is dragged as far as the pointer, wherever it was taken hold of, and a click moves nothing"({ page, context, folder, project }) {
+    const { get, post } = api(context, page, project);
+    const roof = await roofOf(join(folder, "..", "survey"));
+    const before = (await get("edits")).number;
+    await page.getByRole("navigation", { name: "Views" }).getByRole("link", { name: "Map", exact: true }).click();
+    await page.getByLabel("Orthophoto", { exact: true }).waitFor();
+    await post("edits", { command: ["draw", "*", "roof", "polygon", ...roof.corners.flatMap((corner) => ["typed", ...corner.map(String)])] });
+    const [{ id }] = (await get("drawing")).features;
+    await page.getByRole("listbox", { name: "1 features" }).selectOption(id);
+    await page.getByRole("heading", { name: `${id} · roof` }).waitFor();
+    const screen = await onScreen(page);
+    const corner = async () => screen((await get("drawing")).features[0].vertices[0].position);
+    const [x, y] = await corner();
+    const drawn = (await get("edits")).number;
+    await page.mouse.click(x + 4, y);
+    await quiet(page, 400); // longer than a double click takes
+    assert.equal((await get("edits")).number, drawn);
+    await edited(page, async () => {
+      await page.mouse.move(x + 4, y);
+      await page.mouse.down();
+      await page.mouse.move(x + 24, y - 10, { steps: 4 });
+      await page.mouse.up();
+    });
+    const off = Math.hypot(...(await corner()).map((value, axis) => value - [x + 20, y - 10][axis]));
+    assert.ok(off < 1.5, `${off} px`); // the pointer is at whole pixels
+    await undone(page, get, before);
   },
 };

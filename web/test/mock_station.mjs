@@ -39,6 +39,7 @@ function answer(world, request, path) {
     return places ? { json: places } : missing;
   }
   if (what === "images" && rest.length) {
+    if (rest[1] === "tags") return { json: world.tags(Number(rest[0])) };
     if (rest[1] === "residuals") return { json: world.residuals(Number(rest[0])) };
     const bytes = tile(Number(rest[0]), Number(rest[2]), Number(rest[3]), parseInt(rest[4], 10));
     return bytes ? { body: bytes, contentType: "image/png", headers: { "Cache-Control": "private, max-age=86400" } } : missing;

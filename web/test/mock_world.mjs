@@ -144,6 +144,13 @@ export class World {
     return { places, given_disagrees: false, contradicting: marks.filter(([file, mark]) => Math.max(...this.#tests(name, images.find((one) => one.file === file), mark).residual_px.map(Math.abs)) > 20).map(([file]) => images.find((one) => one.file === file).id), marked };
   }
 
+  /** P1 and P2 have tags with their numbers; one is of no point. */
+  tags(id) {
+    const image = images.find((one) => one.id === id);
+    const own = ["P1", "P2"].filter((name) => isIn(truePixel(name, image))).map((name) => ({ family: "aruco-4x4-50", number: Number(name.slice(1)), pixel: truePixel(name, image), sigma_px: 0.02 }));
+    return { tags: [...own, ...(id === 3 ? [{ family: "aruco-4x4-50", number: 77, pixel: [50, 60], sigma_px: 0.03 }] : [])] };
+  }
+
   refine({ image: id, pixel }) {
     const image = images.find((one) => one.id === id);
     for (const name of truth.keys()) {

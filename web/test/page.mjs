@@ -10,7 +10,6 @@ import { drawingTests } from "./drawing_tests.mjs";
 import { readValue } from "./height.mjs";
 import { countRequests, quiet } from "./quiet.mjs";
 import { sceneTests } from "./scene_tests.mjs";
-import { standIn } from "./stand_in.mjs";
 import { browserAt, makeProject, serve, startBrowser } from "./station.mjs";
 import { stereoTests } from "./stereo_tests.mjs";
 import { workTests } from "./work_tests.mjs";
@@ -42,7 +41,16 @@ function watch(context) {
   context.on("weberror", (error) => complaints.push(`page: ${error.error().stack}`));
 }
 
-const rail = (page, name) => page.getByRole("navigation", { name: "Views" }).getByRole("link", { name, exact: true });
+/** A window of a browser that was let in where `other` was. Nothing may go wrong in it, unless that is what it is for. */
+async function newWindow(browser, other, isWatched = true) {
+  const storage = other ? { storageState: await other.storageState() } : {};
+  const context = await browser.newContext({ reducedMotion: "reduce", viewport: sizes[0], locale: "en-GB", ...storage });
+  countRequests(context);
+  if (isWatched) watch(context);
+  return context;
+}
+
+const rail = (page, name, views = "Views") => page.getByRole("navigation", { name: views }).getByRole("link", { name, exact: true });
 const field = (page, name) => page.getByRole("textbox", { name: new RegExp(`^${name}`) });
 const stepRow = (page, name) => page.getByRole("row").filter({ has: page.getByRole("link", { name, exact: true }) });
 
@@ -218,11 +226,19 @@ const tests = {
   ...workTests,
   ...sceneTests,
 
-  async "the language is switched and kept"({ page }) {
+  async "the language is switched and kept, and options have help in it"({ page, project }) {
     await page.getByLabel("Language").selectOption("de");
     await page.getByRole("navigation", { name: "Ansichten" }).getByRole("link", { name: "Karte" }).waitFor();
     assert.equal(await page.evaluate(() => document.documentElement.lang), "de");
     await page.reload();
+    await rail(page, "Projekt", "Ansichten").click();
+    const steps = await page.getByRole("region", { name: "Schritte" }).getByRole("link").allInnerTexts();
+    assert.ok(steps.includes("adjust"), `${steps}`);
+    for (const step of steps.filter((one) => /^[a-z]+$/.test(one))) {
+      await page.goto(`${base}/#/${project.id}/project/step/${step}`);
+      await page.getByRole("heading", { name: `Optionen von ${step}` }).waitFor();
+      assert.deepEqual(await page.locator('.help [lang="en"]').allInnerTexts(), [], `help of ${step} in English`);
+    }
     await page.getByLabel("Sprache").selectOption("en");
   },
 
@@ -274,7 +290,7 @@ const tests = {
   },
 
   async "what a server does not offer is said in its place"({ browser, context, project }) {
-    const apart = await browser.newContext({ reducedMotion: "reduce", viewport: sizes[0], locale: "en-GB", storageState: await context.storageState() });
+    const apart = await newWindow(browser, context, false);
     await apart.route(/\/(map|images|ties|control)(\?|$)/, (route) => route.fulfill({ status: 404, json: { error: "there is nothing of this name" } }));
     const page = await apart.newPage();
     await page.goto(`${base}/#/${project.id}/map`);
@@ -345,17 +361,13 @@ mkdirSync(shots, { recursive: true });
 const browser = await startBrowser(chromium);
 let failed = 0;
 try {
-  const context = await browser.newContext({ reducedMotion: "reduce", viewport: sizes[0], locale: "en-GB" });
-  watch(context);
-  countRequests(context);
+  const context = await newWindow(browser);
   const page = await context.newPage();
   await page.goto(server.link);
   await page.waitForURL(`${base}/#/**`);
-  const held = await standIn(context, base, project);
+  const [held] = await (await context.request.get(`${base}/api/projects`)).json();
   // In a window of its own: of the tabs of one window those behind get one frame a second.
-  const elsewhere = await browser.newContext({ reducedMotion: "reduce", viewport: sizes[0], locale: "en-GB", storageState: await context.storageState() });
-  watch(elsewhere);
-  const second = await elsewhere.newPage();
+  const second = await (await newWindow(browser, context)).newPage();
   await second.goto(base);
   for (const [name, test] of Object.entries({ ...tests, ...stereoTests }).filter(([name]) => !only || new RegExp(only).test(name))) {
     const began = Date.now();

@@ -5,6 +5,7 @@ import { join } from "node:path";
 
 import { readValue } from "./height.mjs";
 import { drawn } from "./quiet.mjs";
+import { roofOf } from "./roof.mjs";
 
 const rail = (page, name) => page.getByRole("navigation", { name: "Views" }).getByRole("link", { name, exact: true });
 const scene = (page) => page.getByRole("application", { name: "Cloud and scene" });
@@ -72,6 +73,27 @@ async function marksOnScreen(page) {
   return middles.map(([x, y]) => [box.x + x, box.y + y]);
 }
 
+/** Where the map is on the screen, seen from above with parallel rays, by the marks of control points: E grows to the right as N grows upwards. */
+async function mapOnScreen(page, project) {
+  await page.getByLabel("Control and check points", { exact: true }).check();
+  await settled(page);
+  const control = await controlOf(page, project);
+  const marks = await marksOnScreen(page);
+  await page.getByLabel("Control and check points", { exact: true }).uncheck();
+  assert.equal(marks.length, control.length);
+  const ends = [control.reduce((a, b) => (a[0] - a[1] < b[0] - b[1] ? a : b)), control.reduce((a, b) => (a[0] - a[1] > b[0] - b[1] ? a : b))];
+  const shown = [marks.reduce((a, b) => (a[0] + a[1] < b[0] + b[1] ? a : b)), marks.reduce((a, b) => (a[0] + a[1] > b[0] + b[1] ? a : b))];
+  const apart_px = Math.hypot(shown[1][0] - shown[0][0], shown[1][1] - shown[0][1]);
+  const perPixel = Math.hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]) / apart_px;
+  return {
+    perPixel,
+    /** Of `perPixel`: ends are found to a pixel. */
+    relative: 1 / apart_px,
+    mapAt: ([x, y]) => [ends[0][0] + perPixel * (x - shown[0][0]), ends[0][1] - perPixel * (y - shown[0][1])],
+    screenAt: ([e, n]) => [shown[0][0] + (e - ends[0][0]) / perPixel, shown[0][1] - (n - ends[0][1]) / perPixel],
+  };
+}
+
 /** E, N, H and the standard deviation of the point at a place of the screen; nothing where there is none. */
 async function pickAt(page, x, y) {
   await page.mouse.move(x + 40, y);
@@ -122,44 +144,75 @@ export const sceneTests = {
       misses.push(Math.abs((await readValue(join(folder, "products/dsm.tif"), e, n)) - h));
       picks.push([at, [e, n]]);
     }
-    // Marks of control points say where the map is on the screen: seen from above E grows to the right as N grows upwards.
-    await page.getByLabel("Control and check points", { exact: true }).check();
-    await settled(page);
-    const control = await controlOf(page, project);
-    const marks = await marksOnScreen(page);
-    assert.equal(marks.length, control.length);
-    const ends = [control.reduce((a, b) => (a[0] - a[1] < b[0] - b[1] ? a : b)), control.reduce((a, b) => (a[0] - a[1] > b[0] - b[1] ? a : b))];
-    const shown = [marks.reduce((a, b) => (a[0] + a[1] < b[0] + b[1] ? a : b)), marks.reduce((a, b) => (a[0] + a[1] > b[0] + b[1] ? a : b))];
-    const perPixel = Math.hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]) / Math.hypot(shown[1][0] - shown[0][0], shown[1][1] - shown[0][1]);
-    const mapAt = ([x, y]) => [ends[0][0] + perPixel * (x - shown[0][0]), ends[0][1] - perPixel * (y - shown[0][1])];
+    const { perPixel, mapAt } = await mapOnScreen(page, project);
     // A mark is found to a pixel, and of the points about a pixel, a cell of the surface from each other, the higher one may be taken.
     const reach = 2 * perPixel + 2 * 0.16;
     const off = Math.max(...picks.map(([at, place]) => Math.hypot(...mapAt(at).map((value, axis) => value - place[axis]))));
     assert.ok(off < reach, `${off} m from where the pixel is, of ${reach}`);
-    await page.getByLabel("Control and check points", { exact: true }).uncheck();
     // A cell of 0.16 m has the height of several points; beside a wall it is that of the roof.
     assert.ok(misses.filter((miss) => miss < 0.3).length >= 3, `${misses} m off the surface`);
   },
 
-  async "a distance between points comes with its standard deviation"({ page }) {
-    await page.getByRole("button", { name: "Measure" }).click();
+  // Rays are parallel and what is measured lies on them: the distance in plan is that of the pixels.
+  async "a distance between points comes with its standard deviation"({ page, project }) {
+    await page.getByRole("button", { name: "Measure" }).click(); // the view is less high then
+    const { perPixel, relative } = await mapOnScreen(page, project);
+    await settled(page);
     const box = await scene(page).boundingBox();
     const picks = [];
-    for (const x of [0.46, 0.54]) {
-      const at = [box.x + x * box.width, box.y + 0.5 * box.height];
+    const clicks = [0.46, 0.54].map((x) => [Math.round(box.x + x * box.width), Math.round(box.y + 0.5 * box.height)]);
+    for (const [i, at] of clicks.entries()) {
       picks.push(await pickAt(page, ...at));
       await page.mouse.click(...at);
-      await page.getByRole("status").getByText(x === 0.46 ? /^1 / : /^2 /).waitFor();
+      await page.getByRole("status").getByText(new RegExp(`^${i + 1} `)).waitFor();
     }
     const text = await page.locator("aside dl dt").filter({ hasText: /^Distance$/ }).locator("+ dd").innerText();
     const [, distance, sigma] = /^(\d+\.\d+) ± (0\.\d+) m$/.exec(text) ?? assert.fail(text);
     const [a, b] = picks;
-    const apart = Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-    // What is measured lies where the pixels are, on the plane of the points about those that were picked: within the reach of a pick from these.
-    assert.ok(Math.abs(Number(distance) - apart) < 3 * Number(sigma), `${text}: ${apart}`);
-    assert.ok(Number(sigma) > Math.min(a[3], b[3]) && Number(sigma) < 1, `${text}: ${a[3]} and ${b[3]}`);
+    const plan = perPixel * (clicks[1][0] - clicks[0][0]);
+    const apart = Math.hypot(plan, a[2] - b[2]);
+    // Heights of picked points are those of the plane within three standard deviations and a slope of one over a spacing of 0.16 m.
+    const ofHeight = (Math.abs(a[2] - b[2]) / apart) * (3 * Math.hypot(a[3], b[3]) + 2 * 0.16);
+    const reach = 2 * relative * plan + ofHeight + 0.01;
+    console.log(`        distance ${text}, of pixels ${apart.toFixed(3)} m, within ${reach.toFixed(3)} m, ${perPixel.toFixed(3)} m in a pixel`);
+    assert.ok(Math.abs(Number(distance) - apart) < reach, `${text}: ${apart} m, within ${reach} m`);
+    // A pixel of the screen in both ends, and not more than the rim of a roof in each.
+    assert.ok(Number(sigma) > 1.3 * perPixel && Number(sigma) < Math.SQRT2 * Math.hypot(perPixel, 3 * 0.2), `${text}: ${perPixel} m in a pixel`);
     await page.keyboard.press("Escape");
     await page.keyboard.press("Escape");
+  },
+
+  // Of the 12 coordinates of four corners 10 and more lie within two standard deviations but once in 500, if they err independently.
+  async "a roof is drawn where the cloud shows it, and lies within its standard deviations of the truth"({ page, context, folder, project, shots }) {
+    const base = `${new URL(page.url()).origin}/api/projects/${project.id}`;
+    const get = async (what) => await (await context.request.get(`${base}/${what}`)).json();
+    const before = (await get("edits")).number;
+    const roof = await roofOf(join(folder, "..", "survey"));
+    await page.getByRole("button", { name: "Draw", exact: true }).click();
+    await page.getByLabel("Code").selectOption("R");
+    const { screenAt } = await mapOnScreen(page, project);
+    await settled(page);
+    for (const [i, corner] of roof.corners.entries()) {
+      await page.mouse.click(...screenAt(corner).map(Math.round));
+      await page.getByRole("status").filter({ hasText: `${i + 1} vertices` }).waitFor();
+    }
+    await page.keyboard.press("Enter");
+    await page.getByRole("listbox", { name: "1 features" }).waitFor();
+    await settled(page);
+    await page.screenshot({ path: join(shots, "drawn-cloud.png") });
+    const [drawn] = (await get("drawing")).features;
+    assert.deepEqual([drawn.kind, drawn.attributes.code, drawn.vertices.length], ["polygon", "R", 4]);
+    assert.ok(drawn.vertices.every((vertex) => vertex.source === "cloud"), JSON.stringify(drawn.vertices));
+    const ratios = drawn.vertices.flatMap((vertex, i) => vertex.position.map((value, axis) => (value - roof.corners[i][axis]) / vertex.sigma_m[axis]));
+    console.log(`        errors of corners, in standard deviations: ${ratios.map((one) => one.toFixed(1)).join(" ")}`);
+    assert.ok(ratios.filter((one) => Math.abs(one) <= 2).length >= 10, `${ratios}`);
+    await page.keyboard.press("Escape");
+    for (let edits = (await get("edits")).number - before; edits > 0; --edits) {
+      const answered = page.waitForResponse((response) => response.request().method() === "POST" && response.url().endsWith("/edits"));
+      await page.keyboard.press("Control+z");
+      await answered;
+    }
+    assert.deepEqual((await get("drawing")).features, []);
   },
 
   async "points of a region get a class, are deleted, and come back"({ page, shots }) {

@@ -18,7 +18,7 @@ export function makeProject(program, folder) {
   return project;
 }
 
-/** A server at a port that is free: its link, and how to end it. */
+/** A server at a port that is free: its link, its process, and how to end it. */
 export async function serve(program, project, port = 0) {
   const server = spawn(program, ["serve", project, "--port", String(port), "--progress", "none"], { stdio: ["ignore", "pipe", "pipe"] });
   process.once("exit", () => server.kill());
@@ -37,6 +37,7 @@ export async function serve(program, project, port = 0) {
   return {
     link,
     base: new URL(link).origin,
+    pid: server.pid,
     end: () => {
       server.kill("SIGTERM");
       return ended;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Requests to the server, one function each.
 import type {
-  Cloud, Control, Edits, Images, MapInfo, MarkKind, NextMark, OptionGroup, OptionValues, Places, Project, ProjectName, Refined, Residual, Settings, TiePoint, Vector2,
+  Cloud, Control, Edits, FoundTag, Images, MapInfo, MarkKind, NextMark, OptionGroup, OptionValues, Places, Project, ProjectName, Refined, Residual, Settings, TiePoint, Vector2,
   Work,
 } from "./types";
 import type { Ground, StereoMark, StereoPlace } from "./stereo_types";
@@ -61,6 +61,8 @@ export const places = (id: string, point: string): Promise<Places> =>
   ask(`${base(id)}/control/${encodeURIComponent(point)}/places`);
 export const refine = (id: string, image: number, pixel: Vector2, kind: MarkKind): Promise<Refined> =>
   ask(`${base(id)}/refine`, { image, pixel, kind });
+/** Coded tags of a photograph: a second for 20 million pixels. */
+export const tags = (id: string, image: number): Promise<{ tags: FoundTag[] }> => ask(`${base(id)}/images/${image}/tags`);
 export const edits = (id: string, since = 0): Promise<Edits> => ask(`${base(id)}/edits?since=${since}`);
 /** A command of control and marks, as docs/manual/serve.md lists them. */
 export const edit = (id: string, command: string[]): Promise<{ number: number }> => ask(`${base(id)}/edits`, { command });

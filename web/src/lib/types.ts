@@ -288,6 +288,14 @@ export interface Refined {
   kind: string;
 }
 
+/** A coded tag of a photograph. */
+export interface FoundTag {
+  family: string;
+  number: number;
+  pixel: Vector2;
+  sigma_px: number;
+}
+
 export interface Edit {
   number: number;
   time: string;

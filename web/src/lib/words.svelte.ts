@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The catalogue: every text of the page by its key. What the server says (summaries, help of options) is English; findings are in words/findings.ts.
+// The catalogue: every text of the page by its key. What the server says (summaries) is English; findings and help of options are in words/findings.ts and words/options.ts.
 import { de } from "../words/de";
 import { en, type Key } from "../words/en";
 import { keep, kept } from "./keep";

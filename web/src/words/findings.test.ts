@@ -43,6 +43,33 @@ test("what has no German sentence, or more in it than that, stays English and sa
   expect(whatOf(finding("loose_images", { subjects: [subject("A.jpg")] }), "en")).toEqual({ text: "In English.", isForeign: false });
 });
 
+test("a wrong point says whether its plan or its height is wrong", () => {
+  const of = (plan: number, height: number): string => {
+    const figures = [["offset_m", Math.hypot(plan, height)], ["offset_plan_m", plan], ["offset_height_m", height]].map(([name, value]) => ({ name: name as string, value: value as number, unit: "m" }));
+    return whatOf(finding("control_point", { figures, subjects: [subject("P1")] }), "de").text.split(" von dem ab")[0] as string;
+  };
+  expect(of(0.1, -3)).toBe("Die Koordinaten von P1 weichen um 3,00 m in der Höhe");
+  expect(of(3, 0.1)).toBe("Die Koordinaten von P1 weichen um 3,00 m in der Lage");
+  expect(of(3, -4)).toBe("Die Koordinaten von P1 weichen um 5,00 m");
+});
+
+test("one is told as one, and of many the first is named", () => {
+  const figures = (count: number): Finding["figures"] => [{ name: "count", value: count, unit: "1" }, { name: "of", value: 5, unit: "1" }];
+  const told = (count: number): string => whatOf(finding("positions_of_others", { figures: figures(count), subjects: [subject("gnss.csv"), subject("z.jpg")] }), "de").text;
+  expect(told(1)).toBe("1 von 5 Bildern in gnss.csv ist hier nicht dabei: z.jpg.");
+  expect(told(3)).toBe("3 von 5 Bildern in gnss.csv sind hier nicht dabei, das erste: z.jpg.");
+});
+
+// A disagreement of image measurements is of two and more.
+test("a sentence that begins with a count has a form for one", () => {
+  for (const [code, entry] of Object.entries(findingsDe)) if (!Array.isArray(entry)) expect(entry, code).not.toMatch(/\{count\} (?!Bildern verfehlen)/);
+});
+
+test("shifts have their signs", () => {
+  const figures = [["east_m", 0.5], ["north_m", -0.25], ["up_m", 0]].map(([name, value]) => ({ name: name as string, value: value as number, unit: "m" }));
+  expect(whatOf(finding("positions_shifted", { figures }), "de").text).toContain("um +0,50 m nach Ost, −0,25 m nach Nord und +0,00 m nach oben");
+});
+
 test("products have their names", () => {
   expect(whatOf(finding("no_ground", { subjects: [{ kind: "product", name: "terrain_model" }] }), "de").text).toContain("kein Geländemodell");
 });

@@ -19,6 +19,14 @@ function significant(value: number, digits: number, language: Language): string 
   return fixed(value, Math.min(Math.max(decimals, 0), 9), language);
 }
 
+/** Whether coordinates are wrong in plan or in height; empty: in both. Nothing where the finding does not say. */
+function whereOff(finding: Finding): string | undefined {
+  const [plan, height] = ["offset_plan_m", "offset_height_m"].map((name) => finding.figures?.find((one) => one.name === name)?.value);
+  if (typeof plan !== "number" || typeof height !== "number") return undefined;
+  if (plan < 0.2 * Math.abs(height)) return " in der Höhe";
+  return Math.abs(height) < 0.2 * plan ? " in der Lage" : "";
+}
+
 /** What stands for a place of a template; nothing where the finding has not got it. */
 function filling(place: string, finding: Finding, language: Language): string | undefined {
   const names = (finding.subjects ?? []).map((one) => (one.aspect !== undefined ? undefined : one.kind === "product" ? productsDe[one.name ?? ""] : one.name));
@@ -27,10 +35,12 @@ function filling(place: string, finding: Finding, language: Language): string | 
     const more = names.length - mostNames;
     return names.length && names.every((one) => one) ? names.slice(0, mostNames).join(", ") + (more > 0 ? ` (+ ${more})` : "") : undefined;
   }
-  const [, name, how, digits] = /^(\w+?)(?:([:~%])(\d))?$/.exec(place) ?? [];
+  if (place === "where") return whereOff(finding);
+  const [, name, how, digits] = /^(\w+?)(?:([:+~%])(\d))?$/.exec(place) ?? [];
   const value = finding.figures?.find((one) => one.name === name)?.value;
   if (typeof value !== "number") return undefined;
   if (how === "%") return `${significant(100 * value, Number(digits), language)} %`;
+  if (how === "+") return (value < 0 ? "" : "+") + fixed(value, Number(digits), language);
   return how === "~" ? significant(value, Number(digits), language) : fixed(value, Number(digits ?? 0), language);
 }
 

@@ -46,6 +46,7 @@ export class Desk {
   #idle: ReturnType<typeof setTimeout> | undefined;
   #choice = 0; // counts points that were chosen
   #asked = 0; // counts requests for places
+  readonly #passed = new Set<number>(); // photographs of the chosen point that were gone by without a mark
   #seen = 0; // number of the last edit that what is shown holds
   #chain: Promise<unknown> = Promise.resolve();
 
@@ -112,6 +113,7 @@ export class Desk {
     if (name) await this.places.load(() => api.places(this.project, name));
     if (mine !== this.#choice) return; // another one was chosen meanwhile
     this.name = name;
+    this.#passed.clear();
     if (!name) return;
     lastChosen.set(this.project, name);
     const marked = this.point?.marks[0]?.image;
@@ -123,9 +125,12 @@ export class Desk {
     this.opened(false);
   }
 
-  /** The best photograph that is not marked; nothing happens where there is none. */
+  /** The best photograph that is not marked and was not gone by; nothing happens where there is none. */
   nextImage(): boolean {
-    const next = nextPlace(this.predicted.length ? this.predicted : this.listed, this.imageId);
+    if (this.imageId !== undefined && !this.mark) this.#passed.add(this.imageId);
+    const places = this.predicted.length ? this.predicted : this.listed;
+    if (places.every((place) => place.marked || this.#passed.has(place.image))) this.#passed.clear();
+    const next = nextPlace(places, this.imageId, this.#passed);
     if (next) this.chooseImage(next.image);
     return next !== undefined;
   }

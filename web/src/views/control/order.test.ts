@@ -40,6 +40,8 @@ test("the next place is the best that is open, not the one that is looked at", (
   expect(nextPlace(places, undefined)?.image).toBe(3);
   expect(nextPlace(places, 3)?.image).toBe(1);
   expect(nextPlace([place(3, false), place(2, true)], 3)).toBeUndefined();
+  expect(nextPlace([...places, place(5, false)], 1, new Set([3, 1]))?.image).toBe(5); // not to and fro between the best two
+  expect(nextPlace(places, 1, new Set([3, 1]))?.image).toBe(3);
 });
 
 test("behind the last point comes the first", () => {

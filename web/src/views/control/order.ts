@@ -66,10 +66,13 @@ export function placesInOrder(places: readonly Place[], order: PlaceOrder): Plac
   return [...places].sort((a, b) => Number(b.marked) - Number(a.marked)); // else as they were
 }
 
-/** The one to mark next: the best that is not marked, another than the one that is looked at; nothing: all are. */
-export const nextPlace = (places: readonly Place[], image: number | undefined): Place | undefined => {
-  const open = places.filter((place) => !place.marked);
-  return open.find((place) => place.image !== image) ?? undefined;
+/**
+ * The one to mark next: the best that is not marked, another than the one that is looked at, and of those that were gone by the ones that came before only
+ * where there are no others; nothing: all are.
+ */
+export const nextPlace = (places: readonly Place[], image: number | undefined, passed: ReadonlySet<number> = new Set()): Place | undefined => {
+  const open = places.filter((place) => !place.marked && place.image !== image);
+  return open.find((place) => !passed.has(place.image)) ?? open[0];
 };
 
 /** The point behind another in a ring. */

@@ -23,6 +23,7 @@ interface Level {
 }
 
 const maskFlag = 4; // NewSubfileType: a mask of another image
+const mostCells = 16e6; // read at once
 const mostKept = 48; // decoded tiles for values under the cursor
 
 export class Raster {
@@ -71,6 +72,14 @@ export class Raster {
     if (sizes && sizes[y * Math.ceil(level.width / level.tile[0]) + x] === 0) return undefined; // not written
     const bands = await level.image.readRasters({ window: [left, top, right, bottom], ...(signal ? { signal } : {}) });
     return { bands: bands as unknown as TypedArrays, width: right - left, height: bottom - top };
+  }
+
+  /** All of it, so large at least where it is that large, by the smallest copy that the file holds; fails where that is too much to read. */
+  async reduced(longest_px: number, signal?: AbortSignal): Promise<{ bands: TypedArrays; width: number; height: number }> {
+    const level = this.levels.find((one) => Math.max(one.width, one.height) >= longest_px) ?? this.levels.at(-1);
+    if (!level || level.width * level.height > mostCells) throw new Error("the file holds no small copy");
+    const bands = await level.image.readRasters(signal ? { signal } : {});
+    return { bands: bands as unknown as TypedArrays, width: level.width, height: level.height };
   }
 
   /** The value of the cell at a place, native size; null: outside, or not known. */

@@ -2,6 +2,7 @@
 // Pictures on the pyramids of cameras: those that look largest, loaded as they are needed, as fine as they are seen, within a memory budget.
 import { BufferAttribute, BufferGeometry, DoubleSide, Group, Mesh, MeshBasicMaterial, Texture } from "three";
 
+import { Failures } from "../../lib/failures";
 import type { ImageInfo } from "../../lib/types";
 import { tilesOfProject } from "../../parts/photo/tiles";
 import type { Pyramid } from "./pyramids";
@@ -74,15 +75,22 @@ export class CameraPictures {
   readonly group = new Group();
   /** By image, the one used longest ago first. */
   readonly #shown = new Map<number, Shown>();
-  readonly #loading = new Map<number, number>(); // image, level
-  readonly #failed = new Set<number>();
+  readonly #loading = new Map<number, WantedPicture>();
+  readonly #failures = new Failures<number>();
   #come: Come[] = [];
   #bytes = 0;
 
+  /** `load`: the picture of an image at a level; nothing where it cannot be read. */
   constructor(
     readonly project: string,
     readonly changed: () => void,
+    readonly load: typeof stitched = stitched,
   ) {}
+
+  /** A picture is on its way, or waits for its frame. */
+  get isBusy(): boolean {
+    return this.#loading.size > 0 || this.#come.length > 0;
+  }
 
   /** `size`: of a pyramid on the screen [px]; 0: not seen. */
   update(pyramids: Pyramid[], size: (one: Pyramid) => number): void {
@@ -109,21 +117,30 @@ export class CameraPictures {
     for (const { bitmap } of this.#come) bitmap.close();
     this.#come = [];
     this.#loading.clear();
-    this.#failed.clear();
+    this.#failures.clear();
   }
 
-  /** A picture that cannot be read stays a pyramid of lines. */
+  /** A picture that cannot be read stays as it is, or a pyramid of lines, and is asked for again later, a few times. */
   #load(pyramid: Pyramid, wanted: WantedPicture): void {
     const { id, level } = wanted;
-    if (this.#loading.size >= loadsAtOnce || this.#loading.has(id) || this.#failed.has(id) || this.#come.some((one) => one.wanted.id === id)) return;
-    this.#loading.set(id, level);
-    void stitched(this.project, pyramid.image, level).then((bitmap) => {
-      if (this.#loading.get(id) !== level) return bitmap?.close();
+    if (this.#loading.size >= loadsAtOnce || this.#loading.has(id) || this.#come.some((one) => one.wanted.id === id)) return;
+    if (this.#failures.isOff(id, performance.now())) return;
+    this.#loading.set(id, wanted);
+    const came = (bitmap: ImageBitmap | undefined): void => {
+      if (this.#loading.get(id) !== wanted) return bitmap?.close(); // asked for before the images became others
       this.#loading.delete(id);
-      if (bitmap) this.#come.push({ one: pyramid, wanted, bitmap });
-      else this.#failed.add(id);
+      if (bitmap) {
+        this.#failures.succeeded(id);
+        this.#come.push({ one: pyramid, wanted, bitmap });
+      } else this.#failed(id);
       this.changed();
-    });
+    };
+    this.load(this.project, pyramid.image, level).then(came, () => came(undefined));
+  }
+
+  #failed(id: number): void {
+    const wait_ms = this.#failures.failed(id, performance.now());
+    if (wait_ms !== undefined) setTimeout(() => this.changed(), wait_ms);
   }
 
   /** What has come, some of it in each frame: giving it to the GPU takes time. */
@@ -181,6 +198,7 @@ export function pictureMesh(one: Pyramid): Mesh<BufferGeometry, MeshBasicMateria
 
 export function disposePicture(mesh: Mesh<BufferGeometry, MeshBasicMaterial>): void {
   mesh.geometry.dispose();
+  (mesh.material.map?.image as ImageBitmap | undefined)?.close(); // the GPU may never have taken it
   mesh.material.map?.dispose();
   mesh.material.dispose();
 }

@@ -51,10 +51,30 @@ test("a corner that is pointed at lies where the ray meets the roof, and errs as
     }
   const mean = squares.reduce((all, one) => all + one, 0) / squares.length;
   expect(squares.length).toBeGreaterThan(200);
-  // The rim, which these clouds have not got, is counted as well: 0.06 m beside the 0.1 m of pointing.
+  // At the corner the rim, which these clouds have not got, is counted as well: 0.06 m beside the 0.1 m of pointing.
   expect(mean).toBeGreaterThan(0.5);
   expect(mean).toBeLessThan(1);
 }, 120_000);
+
+// The surface goes on about the position: nothing but the pointing errs across the ray.
+test("within a surface the rim of another one does not count, at its rim it does", () => {
+  const points = cloud(0.05);
+  const across = (x: number, y: number): number[] => {
+    const ray: PickRay = { origin: [x, y, 50], direction: [0, 0, -1], radius_m: 0.5, slope: 0 };
+    return placedBy(ray, ...clicked(points, ray), 0.02).sigmas_m.slice(0, 2);
+  };
+  for (const [x, y] of [[0.25, 0.25], [0.3, 0.2], [0.2, 0.38]] as const) for (const sigma of across(x, y)) expect(sigma, `${x} ${y}`).toBeCloseTo(0.02, 9);
+  for (const [x, y] of [[0, 0], [0.3, 0.02], [0.02, 0.3]] as const) for (const sigma of across(x, y)) expect(sigma, `${x} ${y}`).toBeGreaterThan(0.1);
+});
+
+test("a single point has no spacing, and is as uncertain as it is known and far from the ray", () => {
+  expect([[], [{ at: [0, 0, 0] as Triple, sigma_m }]].map(spacingOf)).toEqual([0, 0]);
+  const ray: PickRay = { origin: [0, 0, 50], direction: [0, 0, -1], radius_m: 1, slope: 0 };
+  const picked: PickedPoint = { at: [0.3, 0, 0], sigma_m, class: 6, images: 3 };
+  const [e, n, h] = placedBy(ray, picked, [{ at: [0.3, 0, 0], sigma_m }], 0.4).sigmas_m;
+  expect([e, n]).toEqual([expect.closeTo(0.5, 9), expect.closeTo(0.5, 9)]);
+  expect(h).toBeCloseTo(sigma_m, 9);
+});
 
 test("where no plane is, the point itself is taken, as uncertain as it is far from the ray", () => {
   const ray: PickRay = { origin: [0, 0, 50], direction: [0, 0, -1], radius_m: 1, slope: 0 };

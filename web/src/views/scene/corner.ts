@@ -19,6 +19,8 @@ const tolerance = 2.5; // in standard deviations
  * village stood 2.7 of them off where the cloud shows them, in the root mean square of a coordinate.
  */
 export const rimSpacings = 3;
+/** A position has the rim of a plane within reach where its points about it leave a sector of this angle empty [rad]: 1.5 spacings from a straight rim. */
+const rimSector = (2 * Math.PI) / 3;
 
 const minus = (a: Triple, b: Triple): Triple => sum(a, b, -1);
 
@@ -40,11 +42,12 @@ function fitted(points: Triple[], towards: Triple): { normal: Triple; mean: Trip
   return { normal: unit(sum(sum(towards, u, -p), v, -q)), mean };
 }
 
-/** The mean distance of a point to the nearest other one, over the points nearest to a place. */
+/** The mean distance of a point to the nearest other one, over the points nearest to a place; 0: there are no two points. */
 export function spacingOf(neighbours: Neighbour[]): number {
+  if (neighbours.length < 2) return 0;
   const some = neighbours.slice(0, 16);
   const nearest = some.map((one) => Math.min(...neighbours.filter((other) => other !== one).map((other) => Math.hypot(...minus(one.at, other.at)))));
-  return nearest.reduce((all, one) => all + one, 0) / Math.max(nearest.length, 1);
+  return nearest.reduce((all, one) => all + one, 0) / nearest.length;
 }
 
 /** Of planes through the picked point and two neighbours the one that most of them lie on, fitted to these; nothing: there is none to speak of. */
@@ -70,14 +73,23 @@ function planeAbout(picked: PickedPoint, neighbours: Neighbour[], direction: Tri
   return { ...plane, spread_m: Math.sqrt(squares / Math.max(best.length - 3, 1)), on: best };
 }
 
+/** Whether the points of a plane do not surround a position on it. */
+function isAtRim(on: Triple[], at: Triple, normal: Triple, spacing: number): boolean {
+  const u = unit(cross(normal, Math.abs(normal[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
+  const v = cross(normal, u);
+  const azimuths = on.map((one) => minus(one, at)).filter((by) => Math.hypot(...by) < rimSpacings * spacing).map((by) => Math.atan2(dot(by, v), dot(by, u))).sort((a, b) => a - b);
+  const [first, last] = [azimuths[0], azimuths.at(-1)];
+  if (first === undefined || last === undefined) return true;
+  return azimuths.reduce((widest, one, i) => Math.max(widest, one - (azimuths[i - 1] ?? last - 2 * Math.PI)), 0) > rimSector;
+}
+
 /**
  * The vertex that a click on a point of the cloud means, with standard deviations along the axes of the map. `pointing_m`: of the click, across the ray at the
- * point. Where no plane is: the point itself, as uncertain as it is far from the ray.
+ * point. At the rim of a plane what the rim is uncertain by counts as well. Where no plane is: the point itself, as uncertain as it is far from the ray.
  */
 export function placedBy(ray: PickRay, picked: PickedPoint, neighbours: Neighbour[], pointing_m: number): PlacedPoint {
   const { direction } = ray;
   const spacing = spacingOf(neighbours);
-  const across = Math.hypot(pointing_m, rimSpacings * spacing);
   const plane = planeAbout(picked, neighbours, direction);
   const t = plane ? dot(plane.normal, minus(plane.mean, ray.origin)) / dot(plane.normal, direction) : 0;
   const met = sum(ray.origin, direction, t);
@@ -85,12 +97,13 @@ export function placedBy(ray: PickRay, picked: PickedPoint, neighbours: Neighbou
   if (plane && off < 3 * spacing + 3 * pointing_m) {
     // Neighbours are matched by windows that overlap: what they have in common stays in the plane.
     const height = Math.hypot(picked.sigma_m ?? plane.spread_m, plane.spread_m / Math.sqrt(plane.on.length));
+    const across = isAtRim(plane.on, met, plane.normal, spacing) ? Math.hypot(pointing_m, rimSpacings * spacing) : pointing_m;
     return { ...picked, at: met, sigmas_m: sigmasOf(plane.normal, direction, height, across) };
   }
   const by = minus(picked.at, ray.origin);
   const aside = Math.hypot(...minus(by, direction.map((one) => one * dot(by, direction)) as Triple));
   const along = Math.hypot(picked.sigma_m ?? spacing, spacing);
-  return { ...picked, sigmas_m: sigmasOf(direction, direction, along, Math.hypot(across, aside)) };
+  return { ...picked, sigmas_m: sigmasOf(direction, direction, along, Math.hypot(pointing_m, rimSpacings * spacing, aside)) };
 }
 
 /** An error across the ray slides along the plane; one of the plane's height moves the meeting along the ray. */

@@ -51,8 +51,9 @@ export interface LoadedNode {
 export type Spread = Record<"height" | "sigma" | "images", [number, number]>;
 
 export type FromWorker =
-  | { opened: CloudHeader; nodes: CloudNode[] }
-  | { failed: string }
+  | { opened: CloudHeader; nodes: CloudNode[]; address: string }
+  /** The cloud at the address cannot be opened. */
+  | { failed: string; address: string }
   | { loaded: LoadedNode }
   | { missed: number; why: string }
   /** Colours and traits as the regions now have them. */

@@ -33,8 +33,6 @@ export class CloudPoints {
   /** Points drawn, and nodes on their way. */
   drawn = 0;
   loading = 0;
-  /** Something is on its way that changes what is drawn. */
-  isBusy = false;
   readonly #worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
   readonly #events: PointsEvents;
   #used = new LeastRecentlyUsed();
@@ -48,17 +46,26 @@ export class CloudPoints {
   #ask = 0;
   /** Regions that the worker has not applied yet. */
   #applying = 0;
+  /** The cloud that is being opened; empty: none. */
+  #opening = "";
 
   constructor(events: PointsEvents) {
     this.#events = events;
     this.#worker.onmessage = (event: MessageEvent<FromWorker>) => this.#heard(event.data);
-    this.#worker.onerror = (event) => events.failed(event.message);
+    this.#worker.onerror = (event) => this.#broke(event.message);
+  }
+
+  /** Something is on its way that changes what is drawn. */
+  get isBusy(): boolean {
+    return this.#opening !== "" || this.#asked.size > 0 || this.#applying > 0;
   }
 
   /** Another cloud in the place of the one before it. */
   open(address: string, regions: CloudRegion[]): void {
     this.#clear();
+    this.#opening = address;
     this.#say({ open: address, regions });
+    this.#events.changed();
   }
 
   setRegions(regions: CloudRegion[]): void {
@@ -96,7 +103,6 @@ export class CloudPoints {
       }
     }
     this.loading = this.#asked.size;
-    this.isBusy = this.#asked.size > 0 || this.#applying > 0;
     const evicted = this.#used.evicted(kept * this.budget, wanted);
     for (const index of evicted) this.#forget(index);
     if (evicted.length) this.#say({ drop: evicted });
@@ -125,7 +131,21 @@ export class CloudPoints {
     this.#clear();
     for (const name of ["ramp", "classes"]) (this.material.uniforms[name]?.value as Texture).dispose();
     this.material.dispose();
+    this.#answerNobody();
+  }
+
+  #answerNobody(): void {
     for (const resolve of this.#waits.values()) resolve(null);
+    this.#waits.clear();
+  }
+
+  /** The worker ended or stumbled: nothing that it was asked for is waited for any longer. */
+  #broke(why: string): void {
+    [this.#opening, this.#applying] = ["", 0];
+    this.#answerNobody();
+    for (const index of [...this.#asked]) this.#missed(index, why);
+    this.#events.failed(why);
+    this.#events.changed();
   }
 
   #clear(): void {
@@ -145,15 +165,20 @@ export class CloudPoints {
 
   #heard(message: FromWorker): void {
     if ("opened" in message) {
+      if (message.address !== this.#opening) return;
       this.#clear();
-      [this.header, this.#nodes] = [message.opened, message.nodes];
+      [this.header, this.#nodes, this.#opening] = [message.opened, message.nodes, ""];
       this.#events.opened(message.opened);
-    } else if ("failed" in message) this.#events.failed(message.failed);
-    else if ("picked" in message) {
+    } else if ("failed" in message) {
+      if (message.address !== this.#opening) return;
+      this.#opening = "";
+      this.#events.failed(message.failed);
+      this.#events.changed();
+    } else if ("picked" in message) {
       this.#waits.get(message.ask)?.(message.picked);
       this.#waits.delete(message.ask);
     } else if ("applied" in message) {
-      --this.#applying;
+      this.#applying = Math.max(this.#applying - 1, 0);
       this.#events.changed();
     } else if (!this.header) return; // of the cloud before this one
     else if ("loaded" in message) this.#take(message.loaded);
@@ -166,6 +191,7 @@ export class CloudPoints {
     const wait_ms = this.#failures.failed(index, performance.now());
     if (wait_ms !== undefined) setTimeout(() => this.#events.changed(), wait_ms);
     this.#events.failed(why);
+    this.#events.changed();
   }
 
   #take(loaded: LoadedNode): void {

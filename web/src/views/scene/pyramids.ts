@@ -43,6 +43,7 @@ export class Pyramids {
   readonly #changed: () => void;
   readonly #pictures: CameraPictures;
   #cover: ReturnType<typeof pictureMesh> | undefined;
+  #isCoverComing = false;
   #opacity = 0.5;
   readonly #lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: 0x2f86bd, depthWrite: false }));
   readonly #chosen = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: 0xffd400, depthTest: false, depthWrite: false }));
@@ -53,6 +54,11 @@ export class Pyramids {
     this.#lines.frustumCulled = this.#chosen.frustumCulled = false;
     this.#chosen.renderOrder = 3;
     this.group.add(this.#lines, this.#chosen, this.#pictures.group);
+  }
+
+  /** A picture that is to be shown is on its way. */
+  get isBusy(): boolean {
+    return this.#isCoverComing || (this.#pictures.group.visible && this.#pictures.isBusy);
   }
 
   set(pyramids: Pyramid[]): void {
@@ -81,16 +87,19 @@ export class Pyramids {
       disposePicture(this.#cover);
     }
     this.#cover = undefined;
+    this.#isCoverComing = one !== undefined;
     if (!one) return;
     const mesh = pictureMesh({ ...one, corners: one.corners.map((corner) => sum(one.apex, sum(corner, one.apex, -1), heights)) as Pyramid["corners"] });
     [mesh.material.transparent, mesh.material.depthTest, mesh.material.depthWrite, mesh.renderOrder, mesh.visible] = [true, false, false, 2, false];
     this.#cover = mesh;
     this.group.add(mesh);
-    void stitched(this.#project, one.image, Math.min(coverLevel, one.image.levels - 1)).then((bitmap) => {
-      if (this.#cover !== mesh || !bitmap) return bitmap?.close();
-      [mesh.material.map, mesh.material.needsUpdate, mesh.visible] = [textureOf(bitmap), true, true];
+    const came = (bitmap: ImageBitmap | undefined): void => {
+      if (this.#cover !== mesh) return bitmap?.close();
+      this.#isCoverComing = false;
+      if (bitmap) [mesh.material.map, mesh.material.needsUpdate, mesh.visible] = [textureOf(bitmap), true, true];
       this.setOpacity(this.#opacity);
-    });
+    };
+    stitched(this.#project, one.image, Math.min(coverLevel, one.image.levels - 1)).then(came, () => came(undefined));
   }
 
   /** Of the photograph that is looked through. */

@@ -212,14 +212,19 @@ export class Stage {
     this.#fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0) ?? undefined;
     gl.flush();
     if (this.#isMoving) setTimeout(() => this.redraw(), movingMs + 20); // all points when the view stands still
-    else if (!this.points.isBusy) this.#look();
+    else if (!this.#isBusy) this.#look();
+  }
+
+  /** Something that is to be drawn is on its way: who brings it asks for a frame. */
+  get #isBusy(): boolean {
+    return this.points.isBusy || (this.pyramids.group.visible && this.pyramids.isBusy);
   }
 
   /** Until the GPU has drawn the last frame. */
   #look(): void {
     requestAnimationFrame(() => {
       const gl = this.#renderer.getContext() as WebGL2RenderingContext;
-      if (this.#frame || this.#disposed || this.rests) return;
+      if (this.#frame || this.#disposed || this.rests || this.#isBusy) return;
       if (this.#fence && gl.getSyncParameter(this.#fence, gl.SYNC_STATUS) !== gl.SIGNALED && !gl.isContextLost()) return this.#look();
       this.rests = true;
     });

@@ -52,7 +52,7 @@ async function range(at: number, bytes: number, signal?: AbortSignal): Promise<A
 }
 
 async function open(): Promise<void> {
-  const mine = ++opening;
+  const [mine, from] = [++opening, address];
   for (const control of reading.values()) control.abort();
   for (const one of [reading, held]) one.clear();
   [waiting, header, nodes] = [[], undefined, []];
@@ -72,7 +72,7 @@ async function open(): Promise<void> {
   }
   if (mine !== opening) return;
   [header, nodes] = [opened, tree(opened, found)];
-  say({ opened: header, nodes });
+  say({ opened: header, nodes, address: from });
 }
 
 function expanded(perf: LazPerf, head: CloudHeader, node: CloudNode, chunk: ArrayBuffer): Held {
@@ -258,7 +258,7 @@ self.onmessage = (event: MessageEvent<ToWorker>): void => {
   if ("open" in message) {
     [address, regions] = [message.open, message.regions];
     const mine = opening + 1;
-    open().catch((error: unknown) => mine === opening && say({ failed: why(error) }));
+    open().catch((error: unknown) => mine === opening && say({ failed: why(error), address: message.open }));
   } else if ("load" in message) {
     if (!reading.has(message.load) && !waiting.includes(message.load)) waiting.push(message.load);
     next();
@@ -273,8 +273,8 @@ self.onmessage = (event: MessageEvent<ToWorker>): void => {
   } else if ("regions" in message) {
     regions = message.regions;
     reapply();
-  } else if (header) {
+  } else {
     const { pick, among, ask, pointing_m } = message;
-    say({ picked: pointing_m === undefined ? picked(header, pick, among) : placed(header, pick, among, pointing_m), ask });
+    say({ picked: !header ? null : pointing_m === undefined ? picked(header, pick, among) : placed(header, pick, among, pointing_m), ask });
   }
 };
