@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -18,6 +19,8 @@ class Hash {
   Hash& add(std::span<const std::byte> bytes);
   Hash& add(std::string_view text);  ///< the text and its length
   Hash& add(std::uint64_t value);
+  template <std::floating_point T>
+  Hash& add(T value) = delete;  ///< would lose its fraction: add its bytes
   [[nodiscard]] std::uint64_t value() const;
   [[nodiscard]] std::string hex() const;  ///< 16 digits
 

@@ -10,7 +10,6 @@
 #include "collinea/feature/internal/describe.h"
 #include "collinea/feature/internal/extrema.h"
 #include "collinea/feature/internal/octave_rows.h"
-#include "collinea/feature/internal/sift_memory.h"
 #include "collinea/feature/internal/spread.h"
 #include "collinea/feature/internal/strongest_first.h"
 
@@ -213,10 +212,6 @@ std::size_t bytes_to_detect_sift(int width, int height, const SiftOptions& optio
     is_first = false;
   }
   return static_cast<std::size_t>(bytes);
-}
-
-Features detect_sift(const GreyImage& image, const SiftOptions& options) {
-  return detect_sift(image, options, kMostKeptBytes);
 }
 
 Features detect_sift(const GreyImage& image, const SiftOptions& options, std::size_t most_kept_bytes) {

@@ -42,8 +42,11 @@ struct SiftOptions {
 /// (SiftOptions::evenness, regional_strengths).
 ///
 /// Single-threaded and without chance: the same image gives the same bits. An image of less than 16 pixels in width or
-/// height has no features.
-[[nodiscard]] Features detect_sift(const GreyImage& image, const SiftOptions& options);
+/// height has no features. Where the levels of an octave take more than `most_kept_bytes` they are made twice more, a
+/// few rows at a time, with the same result.
+inline constexpr std::size_t kMostKeptBytes = std::size_t{320} << 20;
+[[nodiscard]] Features detect_sift(const GreyImage& image, const SiftOptions& options,
+                                   std::size_t most_kept_bytes = kMostKeptBytes);
 
 /// The memory that takes, with the image: 18 bytes a pixel (67 when upsampled) of images of up to 26 megapixels; of the
 /// finest octaves of larger ones a few rows at a time are held, twice for description, and 2.3 bytes a pixel are left.

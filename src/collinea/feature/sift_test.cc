@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "collinea/feature/internal/sift_memory.h"
 #include "collinea/math/random.h"
 
 namespace collinea {
