@@ -41,7 +41,7 @@ const Points& points() {
 
 // Grey values where a window whose position lies at `position` from its middle [spacings] is put.
 bool sample(const Patch& patch, const Placement& placement, const Eigen::Vector2d& position, double spacing_px,
-            const float* u, const float* v, float* out) {
+            float* out) {
   const Eigen::Matrix2d step = placement.warp * (spacing_px / patch.pixel_px);
   const Eigen::Vector2d middle =
       (placement.position_px - patch.corner_px) / patch.pixel_px - Eigen::Vector2d(0.5, 0.5) - step * position;
@@ -49,7 +49,7 @@ bool sample(const Patch& patch, const Placement& placement, const Eigen::Vector2
   return sample_window({patch.grey.data(), Patch::kSize},
                        {static_cast<float>(middle.x()), static_cast<float>(middle.y()), static_cast<float>(step(0, 0)),
                         static_cast<float>(step(0, 1)), static_cast<float>(step(1, 0)), static_cast<float>(step(1, 1))},
-                       u, v, out);
+                       points().u.data(), points().v.data(), out);
 }
 
 double weighted_mean(const std::array<float, kWindowFloats>& values) {
@@ -179,28 +179,14 @@ std::optional<ReferenceWindow> ReferenceWindow::of(const Patch& patch, const Eig
   return window;
 }
 
-ReferenceWindow::BentPoints ReferenceWindow::bent(const WindowBend& bend) const {
-  BentPoints out{points().u, points().v};
-  if (bend.by_squares.isZero(0)) return out;
-  const Eigen::Matrix<double, 2, 3> by_spacings = spacing_px_ * bend.by_squares;
-  for (std::size_t i = 0; i < kPoints; ++i) {
-    const double x = out.u[i] - position_.x(), y = out.v[i] - position_.y();
-    const Eigen::Vector2d more = by_spacings * Eigen::Vector3d(x * x, x * y, y * y);
-    out.u[i] += static_cast<float>(more.x());
-    out.v[i] += static_cast<float>(more.y());
-  }
-  return out;
-}
-
-std::optional<LeastSquaresMatch> ReferenceWindow::find(const Patch& other, const Placement& start, double farthest_px,
-                                                       const WindowBend& bend) const {
+std::optional<LeastSquaresMatch> ReferenceWindow::find(const Patch& other, const Placement& start,
+                                                       double farthest_px) const {
   const Points& p = points();
-  const BentPoints at = bent(bend);
   Placement now = start;
   const Eigen::Matrix2d first_inverse = start.warp.inverse();
   Values seen, left_over;
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
-    if (!sample(other, now, position_, spacing_px_, at.u.data(), at.v.data(), seen.data())) return std::nullopt;
+    if (!sample(other, now, position_, spacing_px_, seen.data())) return std::nullopt;
     const double mean = weighted_mean(seen);
     double square = 0, common = 0;
     for (std::size_t i = 0; i < kPoints; ++i) {
@@ -245,10 +231,8 @@ std::optional<LeastSquaresMatch> ReferenceWindow::find(const Patch& other, const
 // N is J'W J of the noisy slopes: too large by their noise, the step that a change of the other image makes is
 // M^-1 J'W of it, M = N less that noise. J'W r is a linear form of the pixels, those of the other image through the
 // weights of the interpolation.
-std::optional<MatchCovariance> ReferenceWindow::covariance(const Patch& other, const LeastSquaresMatch& match,
-                                                           const WindowBend& bend) const {
+std::optional<MatchCovariance> ReferenceWindow::covariance(const Patch& other, const LeastSquaresMatch& match) const {
   const Points& p = points();
-  const BentPoints bent_to = bent(bend);
   const Eigen::Matrix2d step = match.placement.warp * (spacing_px_ / other.pixel_px);
   const Eigen::Vector2d middle =
       (match.placement.position_px - other.corner_px) / other.pixel_px - Eigen::Vector2d(0.5, 0.5) - step * position_;
@@ -257,7 +241,7 @@ std::optional<MatchCovariance> ReferenceWindow::covariance(const Patch& other, c
   const Eigen::Matrix<double, kUnknowns, kUnknowns> lost = inverse_ * twice_weighted_;
   double expected = p.weights - lost.trace();
   const auto weights_of = [&](std::size_t i, std::array<double, 4>& across, std::array<double, 4>& down) {
-    const Eigen::Vector2d at = middle + step * Eigen::Vector2d(bent_to.u[i], bent_to.v[i]);
+    const Eigen::Vector2d at = middle + step * Eigen::Vector2d(p.u[i], p.v[i]);
     const Eigen::Vector2d low = at.array().floor();
     across = cubic_weights(at.x() - low.x());
     down = cubic_weights(at.y() - low.y());

@@ -31,12 +31,6 @@ struct Placement {
   Eigen::Matrix2d warp;
 };
 
-/// What perspective and lens add to the affine map of a window: an offset (x, y) [px] of the reference is seen where
-/// the map has (x, y) + by_squares (x x, x y, y y).
-struct WindowBend {
-  Eigen::Matrix<double, 2, 3> by_squares = Eigen::Matrix<double, 2, 3>::Zero();  ///< [1/px]
-};
-
 struct LeastSquaresMatch {
   Placement placement;
   double correlation = 0;   ///< of the grey values
@@ -71,22 +65,17 @@ class ReferenceWindow {
   /// The window in another image, from a position good to a few pixels of the reference's patch. Nothing when this does
   /// not converge, leaves the patch, moves by more than farthest_px or changes the map by more than a half, correlates
   /// by less than 0.8, or when the standard deviation of the position is more than a quarter of such a pixel.
-  [[nodiscard]] std::optional<LeastSquaresMatch> find(const Patch& other, const Placement& start, double farthest_px,
-                                                      const WindowBend& bend = {}) const;
+  [[nodiscard]] std::optional<LeastSquaresMatch> find(const Patch& other, const Placement& start,
+                                                      double farthest_px) const;
 
   /// How well the position found is known. Costs about as much as finding it. Nothing where noise is all there is.
-  [[nodiscard]] std::optional<MatchCovariance> covariance(const Patch& other, const LeastSquaresMatch& match,
-                                                          const WindowBend& bend = {}) const;
+  [[nodiscard]] std::optional<MatchCovariance> covariance(const Patch& other, const LeastSquaresMatch& match) const;
 
   /// Half the side of the window.
   [[nodiscard]] double reach_px() const { return kWindow / 2.0 * spacing_px_; }
 
  private:
   using Values = std::array<float, kWindowFloats>;
-  struct BentPoints {
-    Values u, v;
-  };
-  [[nodiscard]] BentPoints bent(const WindowBend& bend) const;
   using Matrix8d = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
   double spacing_px_ = 1;                                    // between neighbouring points

@@ -122,14 +122,13 @@ Result<SurfaceFiles> surface_of(const ProjectView& view) {
   return with_sigmas_beside(dsm);
 }
 
-// Of marks in images that there are: those of a vertex that is drawn may name others.
+// What is plotted by several marks has residuals, nothing else.
 void add_residuals(json& marks, const AskedVertex& asked, const std::vector<Eigen::Vector2d>& residuals_px) {
-  std::vector<ImageMark> taken;
-  if (const auto* marked = std::get_if<MarkedVertex>(&asked)) taken = marked->marks;
-  if (const auto* repeated = std::get_if<RepeatedVertex>(&asked)) taken = repeated->marks;
-  for (std::size_t i = 0; i < residuals_px.size() && i < taken.size(); ++i)
+  const auto* marked = std::get_if<MarkedVertex>(&asked);
+  if (!marked) return;
+  for (std::size_t i = 0; i < residuals_px.size() && i < marked->marks.size(); ++i)
     for (json& mark : marks)
-      if (mark.at("image") == taken[i].image.value) mark["residual_px"] = pixel_json(residuals_px[i]);
+      if (mark.at("image") == marked->marks[i].image.value) mark["residual_px"] = pixel_json(residuals_px[i]);
 }
 
 }  // namespace

@@ -137,13 +137,14 @@ TEST_F(EditRoutes, ManyClientsEditInOneOrder) {
 // undone, and as after when all is redone, also where the server or the browser began anew in between.
 TEST_F(EditRoutes, TwoHundredOfAllKindsAreUndoneAndRedoneAlsoAfterARestart) {
   const auto state = [&] {
-    std::string text = std::to_string(ProjectStore::open_to_read(village())->setup_hash().value());
+    std::map<std::string, std::string> parts = {
+        {"hash", std::to_string(ProjectStore::open_to_read(village())->setup_hash().value())}};
     for (const char* what : {"/control", "/work", "/drawing", "/cloud"}) {
       const Answer answer = fetch(project() + what);
       EXPECT_EQ(answer.status, 200) << what << answer.body;
-      text += answer.body;
+      parts[what] = answer.body;
     }
-    return text;
+    return parts;
   };
   const auto repeat = [&](const char* word, int times) {
     for (int i = 0; i < times; ++i) ASSERT_EQ(edit({word}).status, 200) << word << i;
@@ -154,8 +155,8 @@ TEST_F(EditRoutes, TwoHundredOfAllKindsAreUndoneAndRedoneAlsoAfterARestart) {
   };
   Random random(5);
   std::set<std::string> kinds;
-  const std::string before = state();
-  std::string half;
+  const auto before = state();
+  std::map<std::string, std::string> half;
   for (int made = 0; made < 200;) {
     const auto words = random.below(2) == 0 ? any_command(random) : any_work(random);
     if (edit(words).status != 200) continue;
@@ -163,7 +164,12 @@ TEST_F(EditRoutes, TwoHundredOfAllKindsAreUndoneAndRedoneAlsoAfterARestart) {
     if (++made == 100) half = state();
   }
   EXPECT_EQ(kinds.size(), std::variant_size_v<Edit> - 2) << "all but undo and redo";
-  const std::string after = state();
+  const auto after = state();
+  for (const auto& [part, text] : half) {  // each of them tells the three states from each other
+    EXPECT_NE(text, before.at(part)) << part;
+    EXPECT_NE(text, after.at(part)) << part;
+    EXPECT_NE(after.at(part), before.at(part)) << part;
+  }
   repeat("undo", 100);
   EXPECT_EQ(state(), half);
   restart();

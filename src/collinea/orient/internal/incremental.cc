@@ -191,7 +191,7 @@ Result<Adjusted> settle(Reconstruction& reconstruction, const AdjustScope& scope
                         bool learn_noise, const Run& run) {
   constexpr int kRounds = 5;
   constexpr double kSettled = 1e-3;      // share of rays that came or went
-  constexpr double kNoiseSettled = 0.2;  // change of their sigma
+  constexpr double kNoiseSettled = 0.2;  // change of their sigmas
   for (int round = 1;; ++round) {
     AdjustOptions adjust = settled_options(reconstruction, options);
     adjust.relative_cost_change = 1e-4;
@@ -203,7 +203,10 @@ Result<Adjusted> settle(Reconstruction& reconstruction, const AdjustScope& scope
     if (reconstruction.poses().size() < 2)
       return fail(Errc::kIllPosed, fmt::format("no two images keep {} tie points that fit", options.min_points));
     const auto shown = learn_noise ? reconstruction.shown_noise() : std::nullopt;
-    const double change = shown ? std::abs(shown->sigma_px / reconstruction.noise().sigma_px - 1) : 0;
+    const TieNoise& noise = reconstruction.noise();
+    const double change = shown ? std::max(std::abs(shown->sigma_px / noise.sigma_px - 1),
+                                           std::abs(shown->anew_factor / noise.anew_factor - 1))
+                                : 0;
     const bool settled = removed + added < kSettled * static_cast<double>(adjusted.residuals_px.size());
     if ((settled && change < kNoiseSettled) || round == kRounds) return adjusted;
     if (shown) reconstruction.set_noise(*shown);

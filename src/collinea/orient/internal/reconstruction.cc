@@ -321,9 +321,14 @@ int Reconstruction::filter(const Limit& limit_px, const Run& run) {
 }
 
 void Reconstruction::set_noise(const TieNoise& noise) {
+  const auto bound = [](double& sigma, double& gross_sigmas, double stated) {
+    const double shown = sigma;
+    sigma = std::clamp(shown, kLeastSigma * stated, kMostSigma * stated);
+    gross_sigmas *= shown / sigma;  // the same error in pixels
+  };
   noise_ = noise;
-  noise_.sigma_px = std::clamp(noise.sigma_px, kLeastSigma * options_.sigma_px, kMostSigma * options_.sigma_px);
-  noise_.gross_sigmas *= noise.sigma_px / noise_.sigma_px;  // the same error in pixels
+  bound(noise_.sigma_px, noise_.gross_sigmas, options_.sigma_px);
+  bound(noise_.anew_factor, noise_.anew_gross_sigmas, 1);
 }
 
 std::optional<TieNoise> Reconstruction::shown_noise() const {
@@ -337,18 +342,17 @@ std::optional<TieNoise> Reconstruction::shown_noise() const {
             .push_back(std::pow(*error / (is_anew ? ray.anew_sigma_px : ray.sigma_factor), 2) / share_left(track));
       }
   }
-  auto shown = fit_noise(squared_px2);
-  const auto anew = fit_noise(squared_anew);
-  if (!anew) return shown;
+  const auto features = fit_noise(squared_px2), anew = fit_noise(squared_anew);
+  if (!features && !anew) return std::nullopt;
   // Both have one loss in the adjustment: that of most rays.
-  if (!shown || squared_anew.size() > squared_px2.size()) {
-    TieNoise both = *anew;
-    both.sigma_px = shown ? shown->sigma_px : noise_.sigma_px;
-    both.gross_sigmas = shown ? shown->gross_sigmas : noise_.gross_sigmas;
-    shown = both;
-  }
-  shown->anew_factor = anew->sigma_px;
-  shown->anew_gross_sigmas = anew->gross_sigmas;
+  const bool are_most_anew = anew && (!features || squared_anew.size() > squared_px2.size());
+  TieNoise shown = are_most_anew ? *anew : *features;
+  // Where errors are too few to show it, their sigma stays, and what is gross among them follows from the others'
+  // shape.
+  shown.sigma_px = features ? features->sigma_px : noise_.sigma_px;
+  shown.anew_factor = anew ? anew->sigma_px : noise_.anew_factor;
+  shown.gross_sigmas = (features ? features : anew)->gross_sigmas;
+  shown.anew_gross_sigmas = (anew ? anew : features)->gross_sigmas;
   return shown;
 }
 
@@ -477,26 +481,21 @@ void Reconstruction::move_world(const Similarity3& new_from_old) {
 }
 
 void Reconstruction::move_rays(const Block& block, std::span<const std::optional<MovedRay>> moved) {
-  const auto ray_of = [&](const Observation& seen) -> Ray& {
+  std::set<std::uint32_t> tracks;
+  for (std::size_t i = 0; i < block.observations.size(); ++i) {
+    if (!moved[i]) continue;
+    const Observation& seen = block.observations[i];
     std::vector<Ray>& rays = tracks_[seen.point.value].rays;
-    return *std::lower_bound(rays.begin(), rays.end(), seen.image,
-                             [](const Ray& one, ImageId image) { return one.image < image; });
-  };
-  for (std::size_t begin = 0; begin < block.observations.size();) {
-    std::size_t end = begin, count = 0;
-    while (end < block.observations.size() && block.observations[end].point == block.observations[begin].point)
-      count += moved[end++].has_value();
-    for (std::size_t i = begin; count > 0 && i < end; ++i) {
-      Ray& ray = ray_of(block.observations[i]);
-      if (moved[i]) {
-        ray.pixel = moved[i]->pixel;
-        ray.anew_sigma_px = moved[i]->sigma_px;
-      } else {
-        ray.sigma_factor *= std::numbers::sqrt2;
-      }
-    }
-    begin = end;
+    Ray& ray = *std::lower_bound(rays.begin(), rays.end(), seen.image,
+                                 [](const Ray& one, ImageId image) { return one.image < image; });
+    ray.pixel = moved[i]->pixel;
+    ray.anew_sigma_px = moved[i]->sigma_px;
+    tracks.insert(seen.point.value);
   }
+  // All rays that keep their features: those that are not active now may become so.
+  for (const std::uint32_t number : tracks)
+    for (Ray& ray : tracks_[number].rays)
+      if (!(ray.anew_sigma_px > 0)) ray.sigma_factor *= std::numbers::sqrt2;
 }
 
 void Reconstruction::start_from_poses(const std::map<ImageId, Rigid3>& poses) {

@@ -112,9 +112,12 @@ class Reconstruction {
   [[nodiscard]] double sigma_px(const Ray& ray) const {
     return ray.anew_sigma_px > 0 ? noise_.anew_factor * ray.anew_sigma_px : noise_.sigma_px * ray.sigma_factor;
   }
-  /// Their sigma is kept between a hundredth and ten times sigma_px.
+  /// Their sigma is kept between a hundredth and ten times sigma_px, that of rays measured anew between a hundredth and
+  /// ten times what their windows state.
   void set_noise(const TieNoise& noise);
-  /// What the points with three rays and more show of it; nothing when there are too few.
+  /// What the points with three rays and more show of it; nothing when there are too few. Where those of features or
+  /// those measured anew alone are too few, their sigma is that of noise(), and their limit for gross errors that of
+  /// the others, in sigmas.
   [[nodiscard]] std::optional<TieNoise> shown_noise() const;
   /// Rays whose error is gross for the noise leave, and the choice of rays is closed: extend adds none. The noise has
   /// no loss any more: after a robust adjustment, least squares. Answers how many left, with the rays of points that
@@ -123,7 +126,7 @@ class Reconstruction {
   /// Other positions in the images for the rays of a block made by block(), in the order of its observations; nothing:
   /// the ray keeps its own. Such rays have their own standard deviations, of which the noise knows the true size apart
   /// from that of features. Positions of a point are against that of its reference, which is a feature's: a ray of the
-  /// same point that keeps its feature errs by both.
+  /// same point that keeps its feature errs by both, also one that becomes active later.
   void move_rays(const Block& block, std::span<const std::optional<MovedRay>> moved);
   /// Cameras that are calibrated get these parameters, zero at first.
   void set_additional(AdditionalSet set);

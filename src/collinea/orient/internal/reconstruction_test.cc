@@ -5,8 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <numbers>
+#include <optional>
 
+#include "collinea/orient/internal/incremental.h"
 #include "collinea/orient/internal/test_pairs.h"
 
 namespace collinea {
@@ -119,29 +123,132 @@ TEST(Reconstruction, ARayThatIsMovedHasItsOwnSigma) {
   }
 }
 
-// Every second point is said to be measured anew with twice the standard deviation that its errors have.
-TEST(Reconstruction, RaysMeasuredAnewShowANoiseOfTheirOwn) {
-  constexpr double kSigma_px = 0.1;
+// Rays that take no part when the others are measured anew count as they do when they come back.
+TEST(Reconstruction, RaysThatComeBackCountAsThoseOfTheirPoint) {
+  constexpr double kSigma_px = 0.5;
   Matched input =
-      matched(testing::test_block({.rows = 2, .columns = 3, .points = 1500, .sigma_px = kSigma_px, .seed = 3}));
+      matched(testing::test_block({.rows = 2, .columns = 3, .points = 500, .sigma_px = kSigma_px, .seed = 3}));
   input.setup.cameras = input.truth.cameras;
   auto reconstruction = Reconstruction::create(input.setup, input.pairs, input.source(), {});
   ASSERT_TRUE(reconstruction) << reconstruction.error().message;
   reconstruction->start_from_poses(testing::poses_of(input.truth));
   reconstruction->extend_all({});
-  const auto alike = reconstruction->shown_noise();
-  ASSERT_TRUE(alike);
-  EXPECT_EQ(alike->anew_factor, 1);
-  const Block block = reconstruction->block();
-  std::vector<std::optional<Reconstruction::MovedRay>> moved(block.observations.size());
+  const Block whole = reconstruction->block();
+  ASSERT_GT(reconstruction->filter(kSigma_px, {}), 100);
+  const Block left = reconstruction->block();
+  std::vector<std::optional<Reconstruction::MovedRay>> moved(left.observations.size());
+  std::map<PointId, ImageId> references;  // the first ray of a point is measured anew
   for (std::size_t i = 0; i < moved.size(); ++i)
-    if (block.observations[i].point.value % 2 == 0) moved[i] = {block.observations[i].pixel, 2 * kSigma_px};
-  reconstruction->move_rays(block, moved);
-  const auto apart = reconstruction->shown_noise();
+    if (references.emplace(left.observations[i].point, left.observations[i].image).second)
+      moved[i] = {left.observations[i].pixel, 0.04};
+  reconstruction->move_rays(left, moved);
+  reconstruction->extend_all({});
+  std::map<std::pair<PointId, ImageId>, double> sigmas;
+  for (const Observation& one : whole.observations) sigmas[{one.point, one.image}] = one.sigma_px;
+  int come_back = 0;
+  const Block again = reconstruction->block();
+  for (const Observation& one : again.observations) {
+    const auto was = sigmas.find({one.point, one.image});
+    if (was == sigmas.end() || !references.contains(one.point) || references.at(one.point) == one.image) continue;
+    EXPECT_DOUBLE_EQ(one.sigma_px, std::numbers::sqrt2 * was->second);
+    ++come_back;
+  }
+  EXPECT_GT(again.observations.size(), left.observations.size() + 50);
+  EXPECT_GT(come_back, 100);
+}
+
+// A block of true cameras and poses, whose points of some numbers are said to be measured anew with twice the standard
+// deviation that their errors have.
+class MeasuredAnew : public ::testing::Test {
+ protected:
+  static constexpr double kSigma_px = 0.1;
+
+  void SetUp() override {
+    input_ = matched(testing::test_block({.rows = 2, .columns = 3, .points = 1500, .sigma_px = kSigma_px, .seed = 3}));
+    input_.setup.cameras = input_.truth.cameras;
+    auto created = Reconstruction::create(input_.setup, input_.pairs, input_.source(), {});
+    ASSERT_TRUE(created) << created.error().message;
+    reconstruction_.emplace(std::move(*created));
+    reconstruction_->start_from_poses(testing::poses_of(input_.truth));
+    reconstruction_->extend_all({});
+    before_ = reconstruction_->shown_noise();
+    ASSERT_TRUE(before_);
+  }
+  // Besides, every 50th ray measured anew is off by as many pixels.
+  void move(const std::function<bool(std::uint32_t point)>& is_anew, double off_px = 0) {
+    const Block block = reconstruction_->block();
+    std::vector<std::optional<Reconstruction::MovedRay>> moved(block.observations.size());
+    int count = 0;
+    for (std::size_t i = 0; i < moved.size(); ++i)
+      if (is_anew(block.observations[i].point.value))
+        moved[i] = {block.observations[i].pixel + Eigen::Vector2d(++count % 50 == 0 ? off_px : 0, 0), 2 * kSigma_px};
+    reconstruction_->move_rays(block, moved);
+  }
+  Matched input_;
+  std::optional<Reconstruction> reconstruction_;
+  std::optional<TieNoise> before_;
+};
+
+TEST_F(MeasuredAnew, RaysShowANoiseOfTheirOwn) {
+  EXPECT_EQ(before_->anew_factor, 1);
+  move([](std::uint32_t point) { return point % 2 == 0; });
+  const auto apart = reconstruction_->shown_noise();
   ASSERT_TRUE(apart);
-  EXPECT_NEAR(apart->sigma_px, alike->sigma_px, 0.1 * alike->sigma_px);
+  EXPECT_NEAR(apart->sigma_px, before_->sigma_px, 0.1 * before_->sigma_px);
   EXPECT_NEAR(apart->anew_factor * 2 * kSigma_px, kSigma_px, 0.1 * kSigma_px);
   EXPECT_TRUE(std::isfinite(apart->anew_gross_sigmas));
+}
+
+// Too few to show their own: they have the limit of the others, and gross ones leave.
+TEST_F(MeasuredAnew, FewRaysHaveTheLimitOfTheOthers) {
+  int gross = 0;
+  const auto is_few = [](std::uint32_t point) { return point % 97 == 0; };
+  move(is_few, 3);
+  const auto shown = reconstruction_->shown_noise();
+  ASSERT_TRUE(shown);
+  EXPECT_EQ(shown->anew_factor, 1);
+  EXPECT_EQ(shown->anew_gross_sigmas, shown->gross_sigmas);
+  reconstruction_->set_noise(*shown);
+  const auto off = [&] {
+    gross = 0;
+    const Block block = reconstruction_->block();
+    for (const Observation& one : block.observations) {
+      const auto pixel =
+          project(block.camera_of(one.image), pose_of(block, one.image) * block.points.at(one.point).position_in_world);
+      gross += is_few(one.point.value) && (!pixel || (*pixel - one.pixel).norm() > 2);
+    }
+    return gross;
+  };
+  EXPECT_GT(off(), 0);
+  EXPECT_TRUE(reconstruction_->leave_out_gross({}));
+  EXPECT_EQ(off(), 0);
+}
+
+TEST_F(MeasuredAnew, FewFeaturesHaveTheLimitOfTheOthers) {
+  move([](std::uint32_t point) { return point % 97 != 0; });
+  const auto shown = reconstruction_->shown_noise();
+  ASSERT_TRUE(shown);
+  EXPECT_EQ(shown->sigma_px, reconstruction_->noise().sigma_px);
+  EXPECT_TRUE(std::isfinite(shown->gross_sigmas));
+  EXPECT_EQ(shown->gross_sigmas, shown->anew_gross_sigmas);
+}
+
+TEST_F(MeasuredAnew, BothSigmasAreKeptWithinBounds) {
+  TieNoise noise = *before_;
+  noise.anew_factor = 1000;
+  noise.anew_gross_sigmas = 5;
+  reconstruction_->set_noise(noise);
+  EXPECT_EQ(reconstruction_->noise().anew_factor, 10);
+  EXPECT_EQ(reconstruction_->noise().anew_gross_sigmas, 500);  // the same error in pixels
+}
+
+// The noise of the features is known, and no ray comes or goes.
+TEST_F(MeasuredAnew, ABlockIsSettledWhenBothSigmasAre) {
+  reconstruction_->set_noise(*before_);
+  move([](std::uint32_t point) { return point % 2 == 0; });
+  const AdjustScope scope{.use_positions = false, .use_control = false, .use_geodetic = false};
+  ASSERT_TRUE(settle(*reconstruction_, scope, {}, true, {}));
+  EXPECT_NEAR(reconstruction_->noise().anew_factor, 0.5, 0.1);
 }
 
 }  // namespace

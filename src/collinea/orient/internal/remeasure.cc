@@ -3,7 +3,6 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 
@@ -17,14 +16,12 @@ namespace {
 constexpr double kSpacing = 0.5;         // between the points of a window, of the feature's scale
 constexpr double kLevelRounding = 0.25;  // points are 0.84 to 1.68 pixels of the level apart: neither alias nor blur
 constexpr int kLevels = 6;
-constexpr double kBendReach = 5;                    // points of the window: half of its weight lies within
 constexpr std::size_t kObservationsAtOnce = 65536;  // 150 MB of patches
 constexpr std::size_t kChunk = 64;                  // points handed to a thread at once
 
 // One observation and how the reference's window will look there.
 struct Sight {
   Eigen::Matrix2d warp = Eigen::Matrix2d::Identity();
-  WindowBend bend;
   double scale_px = 0;  // of its feature
   int level = 0;
   std::optional<Patch> patch;
@@ -112,7 +109,6 @@ class Remeasurer {
       sight(i).level = level_of(spacing_px * std::sqrt(std::abs(sight(i).warp.determinant())));
     }
     sight(group.reference).level = level_of(spacing_px);
-    bend(group, surface);
   }
 
   [[nodiscard]] const Eigen::Vector3d& point_of(const Group& group) const {
@@ -131,54 +127,6 @@ class Remeasurer {
     const Eigen::Matrix2d surface_from_reference = warps[group.reference - group.begin].inverse();
     for (Eigen::Matrix2d& warp : warps) warp *= surface_from_reference;
     return warps;
-  }
-
-  // What the images show of that plane besides: second differences of how pixels of the reference, brought to it, are
-  // seen there.
-  void bend(const Group& group, const Tangents& surface) {
-    const double reach_px = kBendReach * std::ldexp(1.0, sight(group.reference).level);
-    const ImageId reference = seen(group.reference).image;
-    const Camera& camera = block_.camera_of(reference);
-    const Rigid3 pose = pose_of(block_, reference);
-    const Eigen::Vector3d centre = centre_of(pose), normal = surface.col(0).cross(surface.col(1)),
-                          to_point = point_of(group) - centre;
-    const auto middle = project(camera, pose * point_of(group));
-    if (!middle) return;
-    std::array<Eigen::Vector3d, kAround.size()> on_surface;
-    for (std::size_t k = 0; k < kAround.size(); ++k) {
-      const Eigen::Vector3d ray =
-          pose.rotation.conjugate() *
-          ray_in_cam(camera, *middle + reach_px * Eigen::Vector2d(kAround[k][0], kAround[k][1]));
-      on_surface[k] = centre + ray * (normal.dot(to_point) / normal.dot(ray));
-      if (!(normal.dot(to_point) / normal.dot(ray) > 0)) return;
-    }
-    for (std::size_t i = group.begin; i < group.end; ++i)
-      if (i != group.reference) sight(i).bend = bend_in(i, point_of(group), on_surface, reach_px);
-  }
-
-  // Points about a position, in reaches: along x, along y, along both diagonals.
-  static constexpr std::array<std::array<int, 2>, 8> kAround = {
-      {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}}};
-
-  [[nodiscard]] WindowBend bend_in(std::size_t i, const Eigen::Vector3d& point,
-                                   const std::array<Eigen::Vector3d, kAround.size()>& on_surface,
-                                   double reach_px) const {
-    const Camera& camera = block_.camera_of(seen(i).image);
-    const Rigid3 pose = pose_of(block_, seen(i).image);
-    const auto middle = project(camera, pose * point);
-    std::array<Eigen::Vector2d, kAround.size()> at;
-    for (std::size_t k = 0; k < kAround.size(); ++k) {
-      const auto pixel = project(camera, pose * on_surface[k]);
-      if (!pixel || !middle) return {};
-      at[k] = *pixel - *middle;
-    }
-    Eigen::Matrix<double, 2, 3> second;
-    second << (at[0] + at[1]) / 2, (at[4] + at[5] - at[6] - at[7]) / 4, (at[2] + at[3]) / 2;
-    Eigen::Matrix2d warp;
-    warp << at[0] - at[1], at[2] - at[3];
-    warp /= 2 * reach_px;
-    const WindowBend out{warp.inverse() * second / (reach_px * reach_px)};
-    return out.by_squares.allFinite() ? out : WindowBend{};
   }
 
   // The level of the pyramid on which points so far apart are about a pixel apart.
@@ -208,22 +156,22 @@ class Remeasurer {
     for (std::size_t i = group.begin; i < group.end; ++i) {
       if (i == group.reference || !sight(i).patch || !sight(i).warp.allFinite()) continue;
       const double farthest_px = std::max(1.0, sight(i).scale_px);
-      found[i - group.begin] =
-          window->find(*sight(i).patch, {seen(i).pixel, sight(i).warp}, farthest_px, sight(i).bend);
+      found[i - group.begin] = window->find(*sight(i).patch, {seen(i).pixel, sight(i).warp}, farthest_px);
     }
     Eigen::Matrix2d by_reference = Eigen::Matrix2d::Zero();
     int others = 0;
     for (std::size_t i = group.begin; i < group.end; ++i) {
       const auto& one = found[i - group.begin];
-      const auto known = one ? window->covariance(*sight(i).patch, *one, sight(i).bend) : std::nullopt;
+      const auto known = one ? window->covariance(*sight(i).patch, *one) : std::nullopt;
       if (!known) continue;
       positions_[i] = {one->placement.position_px, known->of_other_px2,
-                       window->reach_px() * std::sqrt(std::abs(one->placement.warp.determinant()))};
+                       window->reach_px() * one->placement.warp.cwiseAbs().rowwise().sum()};
       by_reference += known->of_reference_px2;
       ++others;
     }
     if (others > 0)
-      positions_[group.reference] = {seen(group.reference).pixel, by_reference / others, window->reach_px(), true};
+      positions_[group.reference] = {seen(group.reference).pixel, by_reference / others,
+                                     Eigen::Vector2d::Constant(window->reach_px()), true};
   }
 
   const Block& block_;
@@ -235,40 +183,51 @@ class Remeasurer {
   std::vector<std::optional<Remeasured>> positions_;
 };
 
-// Pixels of an image that windows take, in squares of kCell pixels.
+// Windows of an image of which no two share a pixel. Each stands in the lists of all cells that it reaches.
 class TakenPixels {
  public:
   TakenPixels(int width_px, int height_px)
-      : columns_(width_px / kCell + 1),
-        rows_(height_px / kCell + 1),
-        taken_(std::size_t(columns_) * std::size_t(rows_)) {}
+      : columns_(width_px / kCell_px + 1),
+        rows_(height_px / kCell_px + 1),
+        windows_(std::size_t(columns_) * std::size_t(rows_)) {}
 
   [[nodiscard]] bool is_free(const Remeasured& window) const {
+    const Pixels own(window);
     bool is_free = true;
-    visit(window, [&](std::size_t cell) { is_free = is_free && !taken_[cell]; });
+    visit(own, [&](std::size_t cell) {
+      is_free = is_free && std::ranges::none_of(windows_[cell], [&](const Pixels& other) { return own.meet(other); });
+    });
     return is_free;
   }
   void take(const Remeasured& window) {
-    visit(window, [&](std::size_t cell) { taken_[cell] = true; });
+    const Pixels own(window);
+    visit(own, [&](std::size_t cell) { windows_[cell].push_back(own); });
   }
 
  private:
-  static constexpr double kCell = 4;
+  static constexpr int kCell_px = 64;
+
+  // From the first pixel that a window has a part of to behind the last one.
+  struct Pixels {
+    explicit Pixels(const Remeasured& window)
+        : first((window.pixel - window.reach_px).array().floor().cast<int>()),
+          end((window.pixel + window.reach_px).array().ceil().cast<int>()) {}
+    [[nodiscard]] bool meet(const Pixels& other) const {
+      return (first.array() < other.end.array()).all() && (other.first.array() < end.array()).all();
+    }
+    Eigen::Vector2i first, end;
+  };
 
   template <class Visit>
-  void visit(const Remeasured& window, const Visit& visit_cell) const {
-    const auto cells = [&](double middle_px, int end) {
-      return std::pair(std::clamp(int((middle_px - window.reach_px) / kCell + 0.5), 0, end),
-                       std::clamp(int((middle_px + window.reach_px) / kCell + 0.5), 0, end));
-    };
-    const auto [left, right] = cells(window.pixel.x(), columns_);
-    const auto [top, bottom] = cells(window.pixel.y(), rows_);
-    for (int y = top; y < bottom; ++y)
-      for (int x = left; x < right; ++x) visit_cell(std::size_t(y) * std::size_t(columns_) + std::size_t(x));
+  void visit(const Pixels& pixels, const Visit& visit_cell) const {
+    const auto cell = [](int pixel, int count) { return std::clamp(pixel / kCell_px, 0, count - 1); };
+    for (int y = cell(pixels.first.y(), rows_); y <= cell(pixels.end.y(), rows_); ++y)
+      for (int x = cell(pixels.first.x(), columns_); x <= cell(pixels.end.x(), columns_); ++x)
+        visit_cell(std::size_t(y) * std::size_t(columns_) + std::size_t(x));
   }
 
   int columns_, rows_;
-  std::vector<bool> taken_;
+  std::vector<std::vector<Pixels>> windows_;
 };
 
 }  // namespace
@@ -284,7 +243,7 @@ void keep_apart(const Block& block, std::vector<std::optional<Remeasured>>& posi
     if (i == 0 || block.observations[i].point != block.observations[i - 1].point) points.push_back({i, i});
     points.back().end = i + 1;
     if (!positions[i]) continue;
-    points.back().largest_px = std::max(points.back().largest_px, positions[i]->reach_px);
+    points.back().largest_px = std::max(points.back().largest_px, positions[i]->reach_px.maxCoeff());
     ++points.back().rays;
   }
   // The smallest windows first, for they take the fewest pixels; of equal ones those in most images.

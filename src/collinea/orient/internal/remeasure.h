@@ -19,7 +19,7 @@ using ImageSource = std::function<Result<GreyImage>(ImageId)>;
 struct Remeasured {
   Eigen::Vector2d pixel;
   Eigen::Matrix2d covariance_px2 = Eigen::Matrix2d::Zero();  ///< by the noise of this image alone
-  double reach_px = 0;                                       ///< half the side of the window
+  Eigen::Vector2d reach_px = Eigen::Vector2d::Zero();        ///< of the window, turned as it is, along both axes
   /// Of a coordinate: both axes alike, and not less than what the iteration leaves.
   [[nodiscard]] double sigma_px() const { return std::sqrt(covariance_px2.trace() / 2 + std::pow(kLeastSigma_px, 2)); }
   static constexpr double kLeastSigma_px = 0.003;

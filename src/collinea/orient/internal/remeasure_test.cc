@@ -125,12 +125,34 @@ TEST_F(PaintedFloor, WindowsThatAreKeptLieApart) {
     for (std::size_t k = 0; k < i; ++k) {
       const Observation &a = block_.observations[i], &b = block_.observations[k];
       if (!apart[i] || !apart[k] || a.image != b.image) continue;
-      const double distance = (apart[i]->pixel - apart[k]->pixel).cwiseAbs().maxCoeff();
-      EXPECT_GT(distance, apart[i]->reach_px + apart[k]->reach_px - 4);  // squares of four pixels tell
+      const Eigen::Vector2d distance = (apart[i]->pixel - apart[k]->pixel).cwiseAbs();
+      EXPECT_TRUE((distance.array() >= (apart[i]->reach_px + apart[k]->reach_px).array()).any());
     }
   }
   EXPECT_GT(kept, 40u);
   EXPECT_GT(left_out, 40u);
+}
+
+TEST(KeepApart, WindowsMayTouchButNotOverlap) {
+  Block block;
+  block.cameras[CameraId{0}] = ideal_camera(400, kWidth, kHeight);
+  block.images[ImageId{0}] = {.file = "", .camera = CameraId{0}};
+  const struct {
+    Eigen::Vector2d pixel, reach_px;
+    bool is_kept;
+  } windows[] = {{{49.9, 50}, {8, 8}, true},    // the pixels 41 to 57
+                 {{64.1, 50}, {8, 8}, false},   // 56 to 72
+                 {{66, 50}, {8, 8}, true},      // 58 to 73
+                 {{50, 66}, {8, 8}, true},      // the rows below the first
+                 {{50, 30}, {4, 12.1}, false},  // turned, down into the first row of the first
+                 {{50, 30}, {8, 12}, true}};
+  std::vector<std::optional<Remeasured>> positions;
+  for (std::uint32_t i = 0; i < std::size(windows); ++i) {
+    block.observations.push_back({ImageId{0}, PointId{i}, 0, windows[i].pixel, 1});
+    positions.emplace_back(Remeasured{.pixel = windows[i].pixel, .reach_px = windows[i].reach_px});
+  }
+  keep_apart(block, positions);
+  for (std::size_t i = 0; i < std::size(windows); ++i) EXPECT_EQ(positions[i].has_value(), windows[i].is_kept) << i;
 }
 
 }  // namespace
