@@ -2,13 +2,15 @@
 // page.mjs PROGRAM FOLDER: the page of `collinea serve` in a browser, against a server of a small project that is made in FOLDER.
 // Ends with 77 (skipped) where there is no browser. Screenshots of every view stay in FOLDER/screenshots.
 import assert from "node:assert/strict";
-import { mkdirSync, readFileSync } from "node:fs";
+import { execFileSync } from "node:child_process";
+import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join, resolve } from "node:path";
 
 import { drawingTests } from "./drawing_tests.mjs";
 import { readValue } from "./height.mjs";
 import { countRequests, quiet } from "./quiet.mjs";
+import { roofOf } from "./roof.mjs";
 import { sceneTests } from "./scene_tests.mjs";
 import { browserAt, makeProject, serve, startBrowser } from "./station.mjs";
 import { stereoTests } from "./stereo_tests.mjs";
@@ -300,6 +302,29 @@ const tests = {
     await page.keyboard.press("Enter");
     await page.getByRole("region", { name: "Place" }).getByText(/^\s*E \d/).waitFor();
     await apart.close();
+  },
+
+  async "planes of an object are shown with their orthophotos and front views"({ page, context, folder, project, program, survey, shots }) {
+    const roof = await roofOf(survey);
+    const table = join(folder, "..", "planes.txt");
+    writeFileSync(table, roof.corners.map((corner) => `roof ${corner.join(" ")}`).join("\n"));
+    execFileSync(program, ["frames", folder, "--frames", table, "--progress", "none"], { stdio: "ignore" });
+    await page.goto(`${base}/#/${project.id}/project`);
+    await page.reload();
+    const planes = page.getByRole("region", { name: "Planes" });
+    await planes.getByRole("heading", { name: "roof" }).waitFor();
+    const canvas = planes.getByRole("img", { name: "Orthophoto of the plane roof" }).locator("canvas:not([hidden])");
+    await canvas.waitFor();
+    const seen = await canvas.evaluate((one) => {
+      const { data } = one.getContext("2d").getImageData(0, 0, one.width, one.height);
+      const colours = new Set();
+      for (let i = 0; i < data.length; i += 4) if (data[i + 3]) colours.add((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]);
+      return { colours: colours.size, size: [one.width, one.height] };
+    });
+    assert.ok(seen.colours > 50, JSON.stringify(seen)); // an image, not a colour
+    await page.screenshot({ path: join(shots, "planes.png") });
+    const view = await context.request.get(new URL(await planes.getByRole("link", { name: "Front view at scale (PDF)" }).getAttribute("href"), base).href);
+    assert.equal((await view.body()).subarray(0, 5).toString(), "%PDF-");
   },
 
   // The page asks only for what came behind the last number that it has.
