@@ -38,10 +38,7 @@ class Work : public EditsTest {
       ring(one.ring_m);
     }
     for (const DrawingLayer& one : work.drawing.layers) text += line_of(words_of(SetLayer{one})) + "; ";
-    for (const DrawnFeature& one : work.drawing.features) {
-      text += line_of(words_of(drawn_again(one))) + "; ";
-      for (const auto& [name, value] : one.attributes) text += name + "=" + value + "; ";
-    }
+    for (const DrawnFeature& one : work.drawing.features) text += line_of(words_of(drawn_again(one))) + "; ";
     for (const std::string& id : work.drawing.erased) text += "erased " + id + "; ";
     return text;
   }
@@ -60,14 +57,14 @@ std::vector<std::string> any_work(Random& random) {
   if (kind == "erase") return {kind, feature};
   if (kind == "attribute") return {kind, feature, name, one_of({"x", "y", "-"})};
   if (kind == "layer") return {kind, name, "any", one_of({"#000000", "#ff0000"})};
-  if (kind == "draw")
-    return {kind,   one_of({"*", "*", feature}),
-            name,   "point",
-            "mono", std::to_string(random.uniform()),
-            "2",    "3",
-            "mark", one_of({"photo 0.jpg", "PHOTO 3.JPG"}),
-            "1",    "2",
-            "0.5"};
+  if (kind == "draw") {
+    Words words = {kind, one_of({"*", "*", feature}), name, "point"};
+    for (const char* attribute : {"a", "code"})
+      if (random.below(3) == 0) words.insert(words.end(), {"with", attribute, one_of({"x", "z", "-"})});
+    const std::string east = std::to_string(random.uniform()), image = one_of({"photo 0.jpg", "PHOTO 3.JPG"});
+    words.insert(words.end(), {"mono", east, "2", "3", "mark", image, "1", "2", "0.5"});
+    return words;
+  }
   if (kind.starts_with("un")) return {kind, name};
   std::vector<std::string> words = {kind, name, one_of({"photo 0.jpg", "PHOTO 3.JPG"})};
   if (kind == "mask" && random.below(4) == 0) words[2] = "*";
@@ -145,8 +142,9 @@ TEST_F(Work, AFeatureThatIsDrawnAgainKeepsItsAttributesAndItsPlace) {
                              {"attribute", "F1", "use", "shed"},
                              {"draw", "F1", "roof", "point", "typed", "7", "2", "3"}})
     ASSERT_EQ(make(words), "");
-  EXPECT_EQ(now(),
-            "layer roof point \"#010203\"; draw F1 roof point typed 7 2 3; use=shed; draw F2 wall point typed 1 2 3; ");
+  EXPECT_EQ(
+      now(),
+      "layer roof point \"#010203\"; draw F1 roof point with use shed typed 7 2 3; draw F2 wall point typed 1 2 3; ");
   EXPECT_NE(make({"draw", "*", "roof", "line", "typed", "1", "2", "3", "typed", "1", "2", "4"}).find("as a point"),
             std::string::npos);
   EXPECT_NE(make({"layer", "wall", "line", "#010203"}).find("F2 on it is a point"), std::string::npos);
@@ -155,6 +153,60 @@ TEST_F(Work, AFeatureThatIsDrawnAgainKeepsItsAttributesAndItsPlace) {
   EXPECT_NE(make({"draw", "*", "a", "point", "typed", "1", "2", "3", "mark", "none.jpg", "1", "2", "1"})
                 .find("no image is called"),
             std::string::npos);
+}
+
+// One edit, one undo: what a person sees as drawing a coded feature, and as moving it with another code.
+TEST_F(Work, AttributesOfADrawingCommandComeAndGoWithIt) {
+  ASSERT_EQ(make({"draw", "*", "roof", "point", "with", "code", "R", "with", "use", "a shed", "typed", "1", "2", "3"}),
+            "");
+  const std::string first = now();
+  EXPECT_EQ(first, "draw F1 roof point with code R with use \"a shed\" typed 1 2 3; ");
+  ASSERT_EQ(make({"draw", "F1", "roof", "point", "with", "code", "-", "with", "state", "new", "typed", "7", "2", "3"}),
+            "");
+  EXPECT_EQ(now(), "draw F1 roof point with state new with use \"a shed\" typed 7 2 3; ");
+  const std::string text = read_file(file()).value();
+  const auto last = parse_journal_line(lines_of(text)[1]);
+  ASSERT_TRUE(last && last->replaced.size() == 1);
+  ASSERT_EQ(make(last->replaced[0]), "");  // what is written there brings it back
+  EXPECT_EQ(now(), first);
+  ASSERT_EQ(make({"undo"}), "");
+  ASSERT_EQ(make({"undo"}), "");
+  EXPECT_EQ(now(), first);
+  ASSERT_EQ(make({"undo"}), "");
+  EXPECT_EQ(now(), "");
+  for (const Words& wrong :
+       {Words{"draw", "*", "a", "point", "with", "code"},
+        {"draw", "*", "a", "point", "with", "code", "R", "with", "code", "S", "typed", "1", "2", "3"},
+        {"draw", "*", "a", "point", "with", "-", "R", "typed", "1", "2", "3"}})
+    EXPECT_FALSE(parse_edit(wrong));
+}
+
+// Features are found by their ids at once: each of 20,000 is drawn, given an attribute, drawn again and half are
+// erased. By looking at all of them for each that would be 10^9 comparisons of texts.
+TEST(WorkInForce, ABigDrawingIsReplayedInTheOrderItWasDrawn) {
+  constexpr int kFeatures = 20'000;
+  EditHistory history;
+  const DrawnVertex vertex{.position = {1, 2, 3}, .covariance_m2 = {}};
+  const auto id = [](int i) { return DrawFeature::id_of(std::uint64_t(i + 1)); };
+  for (int i = 0; i < kFeatures; ++i)
+    ASSERT_TRUE(history.add(DrawFeature{id(i), "a", VectorKind::kPoint, {vertex}}, ""));
+  for (int i = kFeatures; i-- > 0;) ASSERT_TRUE(history.add(SetAttribute{id(i), "code", "R"}, ""));
+  for (int i = 0; i < kFeatures; i += 2) ASSERT_TRUE(history.add(EraseFeature{id(i)}, ""));
+  for (int i = 1; i < kFeatures; i += 2)
+    ASSERT_TRUE(history.add(DrawFeature{id(i), "b", VectorKind::kPoint, {vertex}}, ""));
+  const Block setup = setup_to_edit();
+  std::vector<UnfitEdit> unfit;
+  const Drawing drawing = work_in_force(EditContext(setup), history, &unfit).drawing;
+  EXPECT_TRUE(unfit.empty());
+  EXPECT_EQ(drawing.features.size(), std::size_t(kFeatures / 2));
+  int next = 1;
+  for (const DrawnFeature& one : drawing.features) {
+    ASSERT_EQ(one.id, id(next));
+    ASSERT_EQ(drawing.features.find(one.id), &one);
+    EXPECT_TRUE(one.layer == "b" && one.attributes.at("code") == "R");
+    next += 2;
+  }
+  EXPECT_EQ(drawing.features.find(id(0)), nullptr);
 }
 
 TEST_F(Work, WhatDoesNotFitIsRefusedAndAfterAnotherImportLeftOut) {

@@ -97,7 +97,7 @@ struct MeanSquare {
 TEST(PlottedVertex, CovariancesAreThoseOfTheErrorsAloneAndTogether) {
   MeanSquare stereo, mono, on_surface, together, distance, cloud;
   const TestFolder folder;
-  for (std::uint64_t seed = 1; seed <= 120; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     const MarkingScene scene = marking_scene(seed);
     Random random(seed, 21);
     const ControlId a{0}, b{1}, c{2}, d{3};
@@ -109,7 +109,8 @@ TEST(PlottedVertex, CovariancesAreThoseOfTheErrorsAloneAndTogether) {
                       *at_c + kRelative_m * random.normal() * Vector3d::UnitZ());
     auto surface = surface_of(folder, plane);
     ASSERT_TRUE(surface) << surface.error().message;
-    VertexPlotter plotter(scene.marking(), nullptr, &*surface);
+    const MarkingBlock marking = scene.marking_together();
+    VertexPlotter plotter(marking, nullptr, &*surface);
     const double east = random.normal(), north = random.normal();
     const Vector2d click = at_c->head<2>() + kClick_m * Vector2d(east, north);
     const Vector3d of_cloud = *at_d + 0.02 * testing::normal3(random);
@@ -142,13 +143,125 @@ TEST(PlottedVertex, CovariancesAreThoseOfTheErrorsAloneAndTogether) {
     distance.add(VectorXd::Constant(1, measured->value - is),
                  Eigen::MatrixXd::Constant(1, 1, std::pow(*measured->sigma, 2)));
   }
-  ASSERT_GT(stereo.count, 80);
+  ASSERT_GT(stereo.count, 200);
   stereo.expect(3, "stereo");
   mono.expect(3, "mono");
   on_surface.expect(3, "surface");
   cloud.expect(3, "cloud");
   together.expect(15, "together");
   distance.expect(1, "distance");
+}
+
+// A vertex is to the block what one more tie point would be: the adjustment of everything together, with a camera that
+// is free, gives it the same covariance. Marks are where the block shows the point, so that nothing moves.
+TEST(PlottedVertex, AVertexIsATiePointOfTheBlock) {
+  for (const Calibration calibration : {Calibration::kNone, Calibration::kFocalRadial}) {
+    const MarkingScene scene = marking_scene(3, true, 0.05, calibration);
+    const Vector3d at = scene.points.at(ControlId{1});
+    Block with_point = scene.block;
+    const PointId id{1'000'000};
+    with_point.points[id].position_in_world = at;
+    std::vector<ImageMark> marks;
+    for (const OrientedImage& one : oriented_images(scene.block)) {
+      const Camera& camera = scene.block.camera_of(one.image);
+      const auto pixel = project(camera, one.cam_from_world * at);
+      if (!pixel || !inside(camera, *pixel) || marks.size() == 4) continue;
+      marks.push_back({one.image, *pixel, 0.3 + 0.1 * double(marks.size())});
+      with_point.observations.push_back({one.image, id, 0, *pixel, marks.back().sigma_px});
+    }
+    ASSERT_EQ(marks.size(), 4u);
+    ExamineOptions options{.adjust = testing::plain(calibration)};
+    options.point_covariances = true;
+    const auto together = examine(with_point, scene.scope, options, {});
+    ASSERT_TRUE(together);
+    ASSERT_EQ(together->points.back().first, id);
+    EXPECT_LT((together->points.back().second - at).norm(), 1e-6);
+    const Eigen::Matrix3d expected = together->point_covariance.back();
+    const MarkingBlock marking = scene.marking_together();
+    VertexPlotter plotter(marking, nullptr, nullptr);
+    const auto vertex = plotter.plot(MarkedVertex{marks});
+    ASSERT_TRUE(vertex) << vertex.error().message;
+    EXPECT_LT((vertex->position - at).norm(), 1e-6);
+    const auto covariance = plotter.covariance_in_map(*vertex);
+    ASSERT_TRUE(covariance);
+    EXPECT_LT((*covariance - expected).norm(), 1e-6 * expected.norm()) << *covariance << "\n\n" << expected;
+  }
+}
+
+// With errors the estimate is that of the adjustment of everything together as well: what is left is of second order.
+TEST(PlottedVertex, TheEstimateIsThatOfTheWholeBlock) {
+  int count = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const MarkingScene scene = marking_scene(seed, true, 0.05, Calibration::kFocalRadial);
+    Random random(seed, 5);
+    const auto marks = marks_of(scene, ControlId{0}, 4, random);
+    if (marks.size() < 4) continue;
+    const MarkingBlock marking = scene.marking_together();
+    VertexPlotter plotter(marking, nullptr, nullptr);
+    const auto vertex = plotter.plot(MarkedVertex{marks});
+    if (!vertex) continue;
+    Block with_point = scene.block;
+    const PointId id{1'000'000};
+    with_point.points[id].position_in_world = vertex->position;
+    std::map<ImageId, ImageMark> by_image;
+    for (const ImageMark& mark : marks) by_image[mark.image] = mark;
+    for (const auto& [image, mark] : by_image)
+      with_point.observations.push_back({image, id, 0, mark.pixel, mark.sigma_px});
+    ExamineOptions options{.adjust = testing::plain(Calibration::kFocalRadial)};
+    const auto together = examine(with_point, scene.scope, options, {});
+    ASSERT_TRUE(together);
+    const auto covariance = plotter.covariance_in_map(*vertex);
+    ASSERT_TRUE(covariance);
+    const Vector3d difference = together->points.back().second - vertex->position;
+    EXPECT_LT(difference.dot(covariance->ldlt().solve(difference)), std::pow(3e-3, 2)) << seed;
+    ++count;
+  }
+  EXPECT_GT(count, 5);
+}
+
+// What has no position is refused with the reason, and never given one: a single ray without a surface, two marks in
+// one image, rays that are parallel or meet behind the cameras, a point at infinity, marks that are none.
+TEST(PlottedVertex, DegenerateMarksAreRefused) {
+  for (const bool together : {false, true}) {
+    const MarkingScene scene = marking_scene(2, false);
+    const MarkingBlock marking = together ? scene.marking_together() : scene.marking();
+    VertexPlotter plotter(marking, nullptr, nullptr);
+    const auto refused = [&](std::vector<ImageMark> marks, std::string_view part) {
+      const auto vertex = plotter.plot(MarkedVertex{std::move(marks)});
+      ASSERT_FALSE(vertex) << part << ": " << vertex->position.transpose();
+      EXPECT_NE(vertex.error().message.find(part), std::string::npos) << vertex.error().message;
+    };
+    const auto images = oriented_images(scene.block);
+    const Rigid3 first = images[0].cam_from_world, second = images[1].cam_from_world;
+    const auto pixel_along = [&](const OrientedImage& image, const Vector3d& direction) {
+      return project(scene.block.camera_of(image.image), image.cam_from_world.rotation * direction);
+    };
+    refused({}, "one mark or more");
+    refused({{images[0].image, {700, 500}}}, "no surface that the ray could meet");
+    refused({{images[0].image, {700, 500}}, {images[0].image, {710, 500}}}, "all marks are of one image");
+    refused({{images[0].image, {700, 500}}, {ImageId{9999}, {710, 500}}}, "no such image");
+    refused({{images[0].image, {700, 500}, 0}, {images[1].image, {710, 500}}}, "above 0");
+    refused({{images[0].image, {700, -1}}, {images[1].image, {710, 500}}}, "not inside");
+    refused({{images[0].image, {700, std::nan("")}}, {images[1].image, {710, 500}}}, "not inside");
+    // One direction of the world in both images: parallel rays, a point at infinity.
+    Vector3d down(0, 0, -1);
+    int parallel = 0;
+    for (const Vector3d& aside : {Vector3d(0, 0, 0), Vector3d(0.05, 0.1, 0), Vector3d(-0.1, 0.05, 0)}) {
+      const Vector3d direction = (down + aside).normalized();
+      const auto one = pixel_along(images[0], direction), other = pixel_along(images[1], direction);
+      if (!one || !other || !inside(scene.block.camera_of(images[0].image), *one) ||
+          !inside(scene.block.camera_of(images[1].image), *other))
+        continue;
+      refused({{images[0].image, *one}, {images[1].image, *other}}, "do not meet");
+      ++parallel;
+    }
+    EXPECT_GT(parallel, 0);
+    // Rays that spread: they meet above the cameras, behind them.
+    const Vector3d base = (centre_of(second) - centre_of(first)).normalized();
+    const auto one = pixel_along(images[0], down - 0.1 * base), other = pixel_along(images[1], down + 0.1 * base);
+    ASSERT_TRUE(one && other);
+    refused({{images[0].image, *one}, {images[1].image, *other}}, "behind a camera");
+  }
 }
 
 // A click on the ground beside a house may have meant its roof: both lie within two standard deviations. Far from the

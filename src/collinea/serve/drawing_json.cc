@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/serve/drawing_json.h"
 
+#include <algorithm>
+
 #include "collinea/base/file.h"
 #include "collinea/io/code_list.h"
 #include "collinea/marking/local_poses.h"
@@ -86,7 +88,7 @@ Result<std::unique_ptr<Plotting>> plotting_of(const ProjectView& view) {
     COLLINEA_TRY(const HeightSpan span, view.span_of_surface(dsm));
     COLLINEA_TRY(all->surface, PlottingSurface::open(dsm, span));
   }
-  all->plotter.emplace(view.marking(*all->ties), view.frame_or_null(), all->surface ? &*all->surface : nullptr);
+  all->plotter.emplace(view.plotting(*all->ties), view.frame_or_null(), all->surface ? &*all->surface : nullptr);
   return all;
 }
 
@@ -122,6 +124,39 @@ Result<SurfaceFiles> surface_of(const ProjectView& view) {
   return with_sigmas_beside(dsm);
 }
 
+// As the adjustment has it; as it was drawn where the block is not oriented.
+Result<DrawingNow> drawing_of(const ProjectView& view) {
+  if (count_oriented(view.block) == 0) return DrawingNow{view.work.drawing, {}};
+  std::unique_ptr<Plotting> plotting;
+  return view.drawing_now([&]() -> Result<VertexPlotter*> {
+    COLLINEA_TRY(plotting, plotting_of(view));
+    return &*plotting->plotter;
+  });
+}
+
+// The same where what is asked names vertices of it; else nothing is needed of it.
+Result<DrawingNow> drawing_for(const json& asked, const ProjectView& view) {
+  const auto list = asked.find("vertices");
+  const bool names_some = list != asked.end() && list->is_array() && std::ranges::any_of(*list, [](const json& one) {
+                            return one.is_object() && one.contains("feature");
+                          });
+  return names_some ? drawing_of(view) : Result<DrawingNow>();
+}
+
+// What computing it anew made of a feature.
+void add_change(json& feature, const DrawingNow& drawing, const std::string& id) {
+  feature["moved_m"] = feature["moved_sigmas"] = nullptr;
+  feature["not_computed"] = json::array();
+  const auto its = drawing.features.find(id);
+  if (its == drawing.features.end()) return;
+  if (its->second.computed > 0) {
+    feature["moved_m"] = number(its->second.moved_m);
+    feature["moved_sigmas"] = number(its->second.moved_sigmas);
+  }
+  for (const FeatureNow::Kept& kept : its->second.kept)
+    feature["not_computed"].push_back({{"vertex", kept.vertex}, {"error", kept.why}});
+}
+
 // Of marks in images that there are: those of a vertex that is drawn may name others.
 void add_residuals(json& marks, const AskedVertex& asked, const std::vector<Eigen::Vector2d>& residuals_px) {
   std::vector<ImageMark> taken;
@@ -137,7 +172,8 @@ void add_residuals(json& marks, const AskedVertex& asked, const std::vector<Eige
 Result<std::string> drawing_json(const ProjectView& view, std::optional<ImageId> image) {
   if (image && !view.block.images.contains(*image)) return fail(Errc::kNotFound, "there is no such image");
   COLLINEA_TRY(const std::vector<DrawingCode> codes, code_list_of(view.project.folder));
-  const Drawing& drawing = view.work.drawing;
+  COLLINEA_TRY(const DrawingNow now, drawing_of(view));
+  const Drawing& drawing = now.drawing;
   const ImageNumbers images = numbers_of(view.block);
   const Projection projection(view, image);
   json all = {{"layers", json::array()}, {"codes", json::array()}, {"features", json::array()}};
@@ -163,13 +199,15 @@ Result<std::string> drawing_json(const ProjectView& view, std::optional<ImageId>
                                {"kind", word_of(feature.kind)},
                                {"attributes", json(feature.attributes)},
                                {"vertices", std::move(vertices)}});
+    add_change(all["features"].back(), now, feature.id);
   }
   return dumped(all);
 }
 
 Result<std::string> vertices_json(const ProjectView& view, std::string_view body) {
   COLLINEA_TRY(const json asked, asked_object(body));
-  COLLINEA_TRY(const auto vertices, asked_vertices(asked, view.work.drawing, view.block));
+  COLLINEA_TRY(const DrawingNow drawing, drawing_for(asked, view));
+  COLLINEA_TRY(const auto vertices, asked_vertices(asked, drawing.drawing, view.block));
   COLLINEA_TRY(const std::optional<ImageId> image, asked_image(asked, view.block));
   COLLINEA_TRY(const auto plotting, plotting_of(view));
   VertexPlotter& plotter = *plotting->plotter;
@@ -196,7 +234,8 @@ Result<std::string> figures_json(const ProjectView& view, std::string_view body)
   const json kinds = is_list ? asked.at("figures") : json::array({asked.value("kind", json())});
   if (!kinds.is_array() || kinds.size() > kMostFigures)
     return fail(Errc::kBadInput, "figures: a list of at most " + std::to_string(kMostFigures));
-  COLLINEA_TRY(const auto vertices, asked_vertices(asked, view.work.drawing, view.block));
+  COLLINEA_TRY(const DrawingNow drawing, drawing_for(asked, view));
+  COLLINEA_TRY(const auto vertices, asked_vertices(asked, drawing.drawing, view.block));
   COLLINEA_TRY(const auto plotting, plotting_of(view));
   std::vector<PlottedVertex> plotted;
   for (const AskedVertex& vertex : vertices) {
