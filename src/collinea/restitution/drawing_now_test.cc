@@ -80,17 +80,17 @@ TEST(DrawingNow, WhatCannotBeComputedStaysAsItWasDrawn) {
   const MarkingScene scene = marking_scene(3, false);
   VertexPlotter plotter(scene.marking(), nullptr, nullptr);
   const DrawnVertex a = drawn_at(scene, plotter, ControlId{0}, 2);
-  DrawnVertex gone = a, mono = a;
-  gone.marks[1].image = "gone.jpg";
+  DrawnVertex removed = a, mono = a;
+  removed.marks[1].image = "removed.jpg";
   mono.marks.pop_back();
   mono.source = VertexSource::kMono;
   const FeatureNow now =
-      feature_now({"F1", "a", VectorKind::kPolygon, {}, {gone, a, mono}}, plotter, images_by_file(scene.block));
+      feature_now({"F1", "a", VectorKind::kPolygon, {}, {removed, a, mono}}, plotter, images_by_file(scene.block));
   EXPECT_EQ(now.computed, 1u);
-  EXPECT_EQ(now.vertices, (std::vector<DrawnVertex>{gone, a, mono}));
+  EXPECT_EQ(now.vertices, (std::vector<DrawnVertex>{removed, a, mono}));
   ASSERT_EQ(now.kept.size(), 2u);
   EXPECT_EQ(now.kept[0].vertex, 0u);
-  EXPECT_EQ(now.kept[0].why, "there is no image gone.jpg");
+  EXPECT_EQ(now.kept[0].why, "there is no image removed.jpg");
   EXPECT_EQ(now.kept[1].vertex, 2u);
   EXPECT_NE(now.kept[1].why.find("no surface"), std::string::npos);
   // What plots cannot be had: the error is handed on.
