@@ -20,7 +20,7 @@ import tempfile
 import threading
 import time
 
-PRODUCTS = ["cloud.las", "dsm.tif", "ortho.tif", "ortho_source.tif"]
+PRODUCTS = ["cloud.copc.laz", "dsm.tif", "ortho.tif", "ortho_source.tif"]
 
 
 class Server:

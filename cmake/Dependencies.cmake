@@ -14,6 +14,7 @@ find_package(fmt REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(Boost 1.74 REQUIRED)  # headers alone: Beast
 find_package(nlohmann_json REQUIRED)
+find_library(COLLINEA_HPDF hpdf REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(exiv2 REQUIRED IMPORTED_TARGET exiv2)
 pkg_check_modules(hwy REQUIRED IMPORTED_TARGET libhwy)

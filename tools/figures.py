@@ -38,6 +38,7 @@ FIGURES = {
     "surface": products.surface,
     "synthetic": orientation.synthetic,
     "systematics": products.systematics,
+    "tags": images.tags,
     "terrain": products.terrain,
     "two-view": orientation.two_view,
 }

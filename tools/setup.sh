@@ -7,7 +7,7 @@ set -eu
 packages="${PACKAGES:-}
 g++ cmake ninja-build pkg-config ccache python3
 libeigen3-dev libhwy-dev libfmt-dev libexpected-dev libcli11-dev nlohmann-json3-dev
-libgdal-dev libproj-dev proj-data libexiv2-dev libjpeg62-turbo-dev libpng-dev libtiff-dev libsqlite3-dev libssl-dev libboost-dev
+libgdal-dev libproj-dev proj-data libexiv2-dev libjpeg62-turbo-dev libpng-dev libtiff-dev libsqlite3-dev libssl-dev libboost-dev libhpdf-dev
 libgtest-dev
 "
 

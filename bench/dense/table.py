@@ -142,7 +142,7 @@ def beach():
     collinea("run", small, "-o", project, "--until", "adjust")
     _, cpu = collinea("densify", project, "--resolution", "full")
     i = info(project)
-    with open(os.path.join(project, "products", "cloud.las"), "rb") as cloud:
+    with open(os.path.join(project, "products", "cloud.copc.laz"), "rb") as cloud:
         points = struct.unpack_from("<Q", cloud.read(375), 247)[0]
     row("brighton_beach at 1000 px: 18 depth maps, fused", "<= 50 CPU s (OpenMVS 2.3: 496), all images",
         f"{cpu:.1f} CPU s, {points} points, {i.get('oriented')} of {i.get('images')} images",
@@ -320,7 +320,7 @@ def mvs():
         """of photographs with given poses"""
         project = os.path.join(args.out, "mvs", name)
         off_surface.write_model(project + "-model", views)
-        collinea("run", photos, "-o", fresh(project), "--orientation", project + "-model", "--until", "densify")
+        collinea("run", photos, "-o", fresh(project), "--orientation", project + "-model", "--ply", "--until", "densify")
         return off_surface.read_cloud(os.path.join(project, "products", "cloud.ply"))
 
     for name, box in MIDDLEBURY.items():
@@ -369,9 +369,10 @@ def mvs():
 
 def laz():
     project = os.path.join(args.out, "accuracy", "demo", "project")  # of the demo, too
-    las = os.path.join(project, "products", "cloud.las")
-    if not os.path.exists(las):
-        return skipped("laz", f"no {las} (--only demo makes it)")
+    if not os.path.exists(os.path.join(project, "products", "cloud.copc.laz")):
+        return skipped("laz", f"no cloud in {project} (--only demo makes it)")
+    collinea("export", project, os.path.join(args.out, "las"), "--format", "las")
+    las = os.path.join(args.out, "las", "cloud.las")
     with open(las, "rb") as file:
         points = struct.unpack_from("<Q", file.read(375), 247)[0]
     for form, name, script in (("laz", "cloud.laz", "laz.js"), ("copc", "cloud.copc.laz", "copc.js")):

@@ -226,3 +226,41 @@ def sift():
     d.line([(450 + 6 * 11, 190 - 3 * 28 - 7), (562, 190 - 6)], RED, 1, "4 3", arrow=True)
     d.text((425, 229), "every second pixel of level 3", RED, size=11)
     return d
+
+
+def tags():
+    """A tag seen obliquely: its cells, the crossing of the diagonals, which is the image of its centre, and the mean of the corners."""
+    d = Drawing(640, 250)
+    code = ["0100", "0010", "1110", "0100"]
+    side, distance, tilt = 138, 2.2, 0.95
+    def image(u, v):  # of a position on the tag (-0.5 .. 0.5), turned and tilted about a horizontal axis
+        a = 0.35
+        x, y = u * math.cos(a) - v * math.sin(a), u * math.sin(a) + v * math.cos(a)
+        depth = distance - y * math.sin(tilt)
+        return 165 + side * distance * x / depth, 125 + side * distance * y * math.cos(tilt) / depth
+    def cell(u, v, size):
+        return [image(u, v), image(u + size, v), image(u + size, v + size), image(u, v + size)]
+    d.line(cell(-0.5 - 1 / 6, -0.5 - 1 / 6, 8 / 6), GREY, 1, "3 3", close=True)
+    d.line(cell(-0.5, -0.5, 1), INK, 1, fill=INK, opacity=0.75, close=True)
+    for row, bits in enumerate(code):
+        for column, bit in enumerate(bits):
+            if bit == "1":
+                d.line(cell(-0.5 + (column + 1) / 6, -0.5 + (row + 1) / 6, 1 / 6), INK, 0.5, fill="#fff", close=True)
+    corners = cell(-0.5, -0.5, 1)
+    for i in (0, 1):
+        d.line([corners[i], corners[i + 2]], BLUE, 1.2)
+    d.dot(image(0, 0), BLUE, 4)
+    mean = [sum(c[k] for c in corners) / 4 for k in (0, 1)]
+    d.dot(mean, RED, 4)
+    for k, corner in enumerate(corners):
+        d.dot(corner, GREEN, 3)
+        d.text((corner[0] + (8 if k in (1, 2) else -8), corner[1] + 4), str(k + 1), GREEN, "start" if k in (1, 2) else "end", 11)
+    d.text((300, 60), "crossing of the diagonals: image of the centre", BLUE)
+    d.text((300, 80), "mean of the corners: nearer to the nearer side", RED)
+    d.text((300, 100), "corners of the dark square, as printed", GREEN)
+    d.text((300, 120), "light ground of a cell, which a tag needs", GREY)
+    chart = Chart(d, 330, 150, 280, 60, (-4, 4), (0, 1))
+    chart.axes(range(-4, 5, 2), [0, 1], "across a border of cells [px]", "light", lambda k: str(k))
+    for blur, colour in ((0.7, BLUE), (1.4, GREEN)):
+        chart.curve([(t, 0.5 + 0.5 * math.erf(t / blur / math.sqrt(2))) for t in steps(-4, 4, 80)], colour)
+    return d

@@ -3,6 +3,7 @@ import assert from "node:assert/strict";
 
 import { images, truePixel } from "./mock_world.mjs";
 import { cursorOf } from "./photograph_tests.mjs";
+import { quiet } from "./quiet.mjs";
 
 const photo = (page, point, file) => page.getByRole("application", { name: `${point} in ${file}` });
 const pointRow = (page, name) => page.getByRole("table", { name: "Control and check points" }).getByRole("row").filter({ has: page.getByRole("button", { name, exact: true }) });
@@ -11,7 +12,7 @@ const marksOf = (world, name) => Object.entries(world.points.get(name)?.marks ??
 const byFile = (file) => images.find((image) => image.file === file);
 
 /** Until something holds; the test ends with the time limit of the page else. */
-async function until(page, holds) {
+export async function until(page, holds) {
   for (let i = 0; i < 400 && !(await holds()); ++i) await page.waitForTimeout(25);
   assert.ok(await holds(), holds.toString());
 }
@@ -19,13 +20,13 @@ async function until(page, holds) {
 const missOf = (name, file, mark) => Math.hypot(...truePixel(name, byFile(file)).map((one, axis) => one - mark.pixel[axis]));
 
 /** The point and the photograph that are marked now. */
-async function shown(page) {
+export async function shown(page) {
   const label = await page.getByRole("application").getAttribute("aria-label");
   return label.split(" in ");
 }
 
 /** Where a pixel of the photograph is on the screen; the pointer is over it afterwards. */
-async function screenOf(page, pixel) {
+export async function screenOf(page, pixel) {
   const box = await page.getByRole("application").boundingBox();
   const [x, y] = [box.x + box.width / 2, box.y + box.height / 2].map(Math.round);
   await page.mouse.move(x + 1, y);
@@ -284,7 +285,7 @@ export const controlTests = {
         await page.setViewportSize({ width, height });
         const box = await page.getByRole("application").boundingBox();
         await page.mouse.move(box.x + box.width / 2 - 8, box.y + box.height / 2 - 8);
-        await page.waitForTimeout(700); // tiles
+        await quiet(page);
         await shot(`control-${theme}-${width}`);
       }
       await judge(`control, ${theme}`);

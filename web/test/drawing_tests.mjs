@@ -4,14 +4,8 @@ import assert from "node:assert/strict";
 import { execFileSync, spawnSync } from "node:child_process";
 import { join } from "node:path";
 
-import { roofOf } from "./roof.mjs";
-
-/** Errors of a person, the same in each run. */
-function normals() {
-  let seed = 7;
-  const uniform = () => (seed = (seed * 1103515245 + 12345) % 2147483648) / 2147483648;
-  return () => Math.sqrt(-2 * Math.log(uniform() || 1e-9)) * Math.cos(2 * Math.PI * uniform());
-}
+import { drawn as isDrawn, quiet } from "./quiet.mjs";
+import { normals, roofOf } from "./roof.mjs";
 
 const api = (context, page, project) => {
   const base = `${new URL(page.url()).origin}/api/projects/${project.id}`;
@@ -34,7 +28,7 @@ async function settled(page) {
     const box = await page.getByRole("application").boundingBox();
     if (JSON.stringify(box) === last) return box;
     last = JSON.stringify(box);
-    await page.waitForTimeout(300);
+    await quiet(page);
   }
 }
 
@@ -72,7 +66,7 @@ async function cornerDragged(page, get) {
   const [x, y] = await corner();
   const { number } = await get("edits");
   await page.mouse.click(x + 4, y);
-  await page.waitForTimeout(500);
+  await quiet(page, 400); // longer than a double click takes
   assert.equal((await get("edits")).number, number);
   const asked = page.waitForResponse((response) => response.request().method() === "POST" && response.url().endsWith("/edits"));
   await page.mouse.move(x + 4, y);
@@ -130,7 +124,7 @@ export const drawingTests = {
     const under = async (x, y) => {
       await page.mouse.move(x - 1, y);
       await page.mouse.move(x, y);
-      await page.waitForTimeout(400);
+      await isDrawn(page);
       return [...(await page.locator(".readout").first().innerText()).matchAll(/[xy]\s+(-?\d+\.\d+)/g)].map((found) => Number(found[1]));
     };
     const [left, top, right, bottom] = [box.x + 0.3 * box.width, box.y + 0.35 * box.height, box.x + 0.7 * box.width, box.y + 0.65 * box.height];

@@ -8,6 +8,7 @@ import { join, resolve } from "node:path";
 
 import { drawingTests } from "./drawing_tests.mjs";
 import { readValue } from "./height.mjs";
+import { countRequests, quiet } from "./quiet.mjs";
 import { sceneTests } from "./scene_tests.mjs";
 import { standIn } from "./stand_in.mjs";
 import { browserAt, makeProject, serve, startBrowser } from "./station.mjs";
@@ -55,7 +56,7 @@ const tests = {
   async "the link leads to the project"({ page, project }) {
     await page.getByRole("heading", { name: "village", level: 2 }).waitFor();
     assert.equal(new URL(page.url()).search, "", "the token does not stay in the address");
-    for (const step of ["import", "detect", "match", "orient", "adjust", "densify", "surface", "terrain", "ortho", "report"])
+    for (const step of ["import", "detect", "match", "orient", "adjust", "densify", "surface", "terrain", "ortho", "frames", "report"])
       await stepRow(page, step).getByRole("img", { name: "done" }).waitFor();
     await page.getByText("6, 6 oriented").waitFor();
     await page.getByText("EPSG:32633", { exact: true }).waitFor();
@@ -233,7 +234,8 @@ const tests = {
         await page.goto(`${base}/${page.url().split("/")[3]}/${page.url().split("/")[4]}/${view}`);
         for (const size of sizes) {
           await page.setViewportSize(size);
-          await page.waitForTimeout(800); // tiles
+          await quiet(page);
+          await rested(page);
           await page.screenshot({ path: join(shots, `${view}-${theme}-${size.width}.png`) });
         }
         await judged(page, axe, `${view}, ${theme}`);
@@ -244,7 +246,7 @@ const tests = {
         await page.screenshot({ path: join(shots, `options-${theme}-1920.png`) });
         await page.getByLabel("Close").first().click();
         await page.getByRole("link", { name: "Read report.html" }).click();
-        await page.waitForTimeout(800);
+        await quiet(page);
         await page.screenshot({ path: join(shots, `report-${theme}-1920.png`) });
       }
     }
@@ -307,23 +309,28 @@ const tests = {
   },
 };
 
+/** Until what is drawn in 3D is there. */
+const rested = (page) => page.locator('[role="application"][aria-busy="true"]').waitFor({ state: "detached" });
+
 async function judged(page, axe, what) {
-  await page.evaluate(axe);
-  const { violations } = await page.evaluate(() => globalThis.axe.run(document, { iframes: false }));
+  if (!(await page.evaluate(() => "axe" in globalThis))) await page.evaluate(axe);
+  const { violations } = await page.evaluate(() => globalThis.axe.run(document, { iframes: false, resultTypes: ["violations"] }));
   const serious = violations.filter((one) => ["serious", "critical"].includes(one.impact));
   for (const one of serious) console.log(`${what}: ${one.id}: ${one.help}\n  ${one.nodes.map((node) => `${node.html}\n    ${node.failureSummary}`).join("\n  ")}`);
   assert.deepEqual(serious.map((one) => one.id), [], what);
 }
 
 /** A server that ends is missed; another one at its place lets nobody in without its link, and has no jobs yet. */
-async function otherServer(page, second) {
+async function otherServer(page, context) {
   await page.goto(`${page.url().split("#")[0]}#/${page.url().split("/")[4]}/jobs`);
   await page.getByRole("cell", { name: "4", exact: true }).waitFor();
   await server.end();
   await page.getByText("no connection to the server; trying again").waitFor();
   server = await serve(program, project, Number(new URL(base).port));
   await page.getByText("no longer let in: open the link that collinea serve showed last").waitFor();
+  const second = await context.newPage();
   await second.goto(server.link);
+  await page.bringToFront();
   await page.getByText("connected", { exact: true }).waitFor();
   await page.getByText(/^No jobs yet/).waitFor();
   console.log("ok      another server is another one");
@@ -340,11 +347,15 @@ let failed = 0;
 try {
   const context = await browser.newContext({ reducedMotion: "reduce", viewport: sizes[0], locale: "en-GB" });
   watch(context);
+  countRequests(context);
   const page = await context.newPage();
   await page.goto(server.link);
   await page.waitForURL(`${base}/#/**`);
   const held = await standIn(context, base, project);
-  const second = await context.newPage();
+  // In a window of its own: of the tabs of one window those behind get one frame a second.
+  const elsewhere = await browser.newContext({ reducedMotion: "reduce", viewport: sizes[0], locale: "en-GB", storageState: await context.storageState() });
+  watch(elsewhere);
+  const second = await elsewhere.newPage();
   await second.goto(base);
   for (const [name, test] of Object.entries({ ...tests, ...stereoTests }).filter(([name]) => !only || new RegExp(only).test(name))) {
     const began = Date.now();
@@ -361,7 +372,7 @@ try {
     ++failed;
     console.log(`FAILED  no errors, and no request beyond the server\n  ${[...new Set(complaints)].join("\n  ")}`);
   }
-  if (!only) await otherServer(page, second);
+  if (!only) await otherServer(page, context);
 } catch (error) {
   ++failed;
   console.log(`FAILED  ${error.stack}`);

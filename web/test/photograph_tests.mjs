@@ -2,6 +2,7 @@
 import assert from "node:assert/strict";
 
 import { images, truePixel } from "./mock_world.mjs";
+import { quiet } from "./quiet.mjs";
 
 /** x, y under the pointer, as the page shows them [px]. */
 export async function cursorOf(page) {
@@ -66,7 +67,7 @@ export const photographTests = {
     const aimed = await cursorOf(page);
     assert.ok(Math.hypot(aimed[0] - x, aimed[1] - y) < 2, `${aimed}`);
     await page.keyboard.press("8");
-    await page.waitForTimeout(500);
+    await quiet(page);
     assert.equal(await scaleOf(page), 8);
     await page.mouse.move(middle[0] + 1, middle[1]);
     await page.mouse.move(...middle);
@@ -109,6 +110,7 @@ export const photographTests = {
     for (const name of ["P3", "P4", "P5"]) world.edit(["mark", name, "DJI_0004.jpg", ...truePixel(name, images[3]).map((one) => String(one + 0.3)), "0.3"]);
     await open("photographs/4");
     await page.locator(".readout").getByText("3 marks").waitFor();
+    await page.getByRole("button", { name: "Show", exact: true }).click();
     await page.getByLabel("Residuals of tie points").check();
     await page.getByText("400 tie points, vectors enlarged 50 ×").waitFor();
     await page.getByLabel("Vectors").selectOption("100 ×");
@@ -120,7 +122,7 @@ export const photographTests = {
       for (const [width, height] of [[1280, 800], [1920, 1080]]) {
         await page.setViewportSize({ width, height });
         await page.mouse.move(box.x + 300, box.y + 250);
-        await page.waitForTimeout(600); // tiles
+        await quiet(page);
         await shot(`photographs-${theme}-${width}`);
       }
       await judge(`photographs, ${theme}`);

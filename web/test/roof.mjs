@@ -4,10 +4,14 @@ import { readFileSync } from "node:fs";
 import { join } from "node:path";
 
 import { fromArrayBuffer } from "geotiff";
-import proj4 from "proj4";
+import { truthOf } from "./truth.mjs";
 
-const rows = (file) =>
-  readFileSync(file, "utf8").split("\n").filter((line) => line.trim() && !line.startsWith("#")).map((line) => line.split(",").map((field) => field.trim()));
+/** Errors of a person, the same in each run. */
+export function normals() {
+  let seed = 7;
+  const uniform = () => (seed = (seed * 1103515245 + 12345) % 2147483648) / 2147483648;
+  return () => Math.sqrt(-2 * Math.log(uniform() || 1e-9)) * Math.cos(2 * Math.PI * uniform());
+}
 
 async function raster(file) {
   const bytes = readFileSync(file);
@@ -55,44 +59,6 @@ function rectangle(cells, width) {
   return best;
 }
 
-/** From map to the local frame of the survey: east, north, up at its origin, on the ellipsoid. */
-function localFrame(frame) {
-  const utm = proj4(`+proj=utm +zone=${Number(frame.crs.slice(-2))} +datum=WGS84 +units=m`);
-  const radians = Math.PI / 180;
-  const [a, e2] = [6378137, 0.0066943799901413165];
-  const ecef = (latitude, longitude, height) => {
-    const n = a / Math.sqrt(1 - e2 * Math.sin(latitude) ** 2);
-    return [(n + height) * Math.cos(latitude) * Math.cos(longitude), (n + height) * Math.cos(latitude) * Math.sin(longitude), (n * (1 - e2) + height) * Math.sin(latitude)];
-  };
-  const [lat, lon] = [frame.latitude_deg * radians, frame.longitude_deg * radians];
-  const origin = ecef(lat, lon, Number(frame.height_m));
-  return ([e, n, h]) => {
-    const [longitude, latitude] = utm.inverse([e, n]);
-    const [x, y, z] = ecef(latitude * radians, longitude * radians, h).map((value, i) => value - origin[i]);
-    return [
-      -Math.sin(lon) * x + Math.cos(lon) * y,
-      -Math.sin(lat) * Math.cos(lon) * x - Math.sin(lat) * Math.sin(lon) * y + Math.cos(lat) * z,
-      Math.cos(lat) * Math.cos(lon) * x + Math.cos(lat) * Math.sin(lon) * y + Math.sin(lat) * z,
-    ];
-  };
-}
-
-function turned([w, x, y, z], [a, b, c]) {
-  const [u, v, t] = [2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)];
-  return [a + w * u + y * t - z * v, b + w * v + z * u - x * t, c + w * t + x * v - y * u];
-}
-
-/** Brown (1971). */
-function pixelOf(camera, [x, y, z]) {
-  const [u, v] = [x / z, y / z];
-  const r2 = u * u + v * v;
-  const radial = 1 + r2 * (camera.k1 + r2 * (camera.k2 + r2 * camera.k3));
-  const [p1, p2] = [camera.p1, camera.p2];
-  const du = u * radial + p1 * (r2 + 2 * u * u) + 2 * p2 * u * v;
-  const dv = v * radial + p2 * (r2 + 2 * v * v) + 2 * p1 * u * v;
-  return [camera.f * du + camera.cx, camera.f * dv + camera.cy];
-}
-
 /** The largest house that is a rectangle: its corner cells with their heights on the roof, and where photographs show them. */
 export async function roofOf(survey) {
   const truth = (name) => join(survey, "truth", name);
@@ -109,14 +75,6 @@ export async function roofOf(survey) {
     const at = [cell % dsm.width, Math.floor(cell / dsm.width)];
     return [dsm.west + (at[0] + 0.5) * dsm.cell, dsm.north - (at[1] + 0.5) * dsm.cell, dsm.data[cell]];
   });
-  const camera = Object.fromEntries(rows(truth("camera.csv")).map(([name, value]) => [name, Number(value)]));
-  const local = localFrame(Object.fromEntries(rows(truth("frame.csv"))));
-  const poses = Object.fromEntries(rows(truth("poses.csv")).map(([file, ...numbers]) => [file, numbers.map(Number)]));
-  const pixel = (file, corner) => {
-    const [x, y, z, ...quaternion] = poses[file].slice(0, 7);
-    const [a, b, d] = local(corner);
-    const [px, py] = pixelOf(camera, turned(quaternion, [a - x, b - y, d - z]));
-    return px > 5 && py > 5 && px < camera.width_px - 5 && py < camera.height_px - 5 ? [px, py] : undefined;
-  };
-  return { corners, pixel, files: Object.keys(poses) };
+  const { files, pixel } = truthOf(survey);
+  return { corners, pixel, files };
 }

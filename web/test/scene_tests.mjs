@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import { join } from "node:path";
 
 import { readValue } from "./height.mjs";
+import { drawn } from "./quiet.mjs";
 
 const rail = (page, name) => page.getByRole("navigation", { name: "Views" }).getByRole("link", { name, exact: true });
 const scene = (page) => page.getByRole("application", { name: "Cloud and scene" });
@@ -36,8 +37,10 @@ const near = (counts, [red, green, blue], reach = 3) =>
 
 /** Until the view has all its points and nothing is on its way. */
 const settled = async (page) => {
+  await drawn(page); // what was asked for has begun
   await readout(page).locator(".state").getByText(/^\s*[1-9][\d,]* of [\d,]+ points\s*$/).waitFor({ timeout: 30_000 });
-  await page.waitForTimeout(400);
+  await page.locator('.scene [role="application"]:not([aria-busy="true"])').waitFor();
+  await drawn(page);
 };
 
 /** Where control points lie on the map. */
@@ -152,9 +155,9 @@ export const sceneTests = {
     const [, distance, sigma] = /^(\d+\.\d+) ± (0\.\d+) m$/.exec(text) ?? assert.fail(text);
     const [a, b] = picks;
     const apart = Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-    // Coordinates are shown to a centimetre: each of three differences is good to one.
-    assert.ok(Math.abs(Number(distance) - apart) < Math.sqrt(3) * 0.01 + 0.005, `${text}: ${apart}`);
-    assert.ok(Number(sigma) > 0.5 * Math.min(a[3], b[3]) && Number(sigma) < a[3] + b[3], `${text}: ${a[3]} and ${b[3]}`);
+    // What is measured lies where the pixels are, on the plane of the points about those that were picked: within the reach of a pick from these.
+    assert.ok(Math.abs(Number(distance) - apart) < 3 * Number(sigma), `${text}: ${apart}`);
+    assert.ok(Number(sigma) > Math.min(a[3], b[3]) && Number(sigma) < 1, `${text}: ${a[3]} and ${b[3]}`);
     await page.keyboard.press("Escape");
     await page.keyboard.press("Escape");
   },

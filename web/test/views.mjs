@@ -9,6 +9,7 @@ import { join, resolve } from "node:path";
 import { controlTests } from "./control_tests.mjs";
 import { base, mockStation } from "./mock_station.mjs";
 import { photographTests } from "./photograph_tests.mjs";
+import { countRequests } from "./quiet.mjs";
 import { browserAt, startBrowser } from "./station.mjs";
 
 const folder = resolve(process.argv[2] ?? "");
@@ -31,8 +32,8 @@ const axe = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
 
 /** Nothing serious against the rules of accessibility. */
 async function judge(page, what) {
-  await page.evaluate(axe);
-  const { violations } = await page.evaluate(() => globalThis.axe.run(document, { iframes: false }));
+  if (!(await page.evaluate(() => "axe" in globalThis))) await page.evaluate(axe);
+  const { violations } = await page.evaluate(() => globalThis.axe.run(document, { iframes: false, resultTypes: ["violations"] }));
   const serious = violations.filter((one) => ["serious", "critical"].includes(one.impact));
   for (const one of serious) console.log(`${what}: ${one.id}: ${one.help}\n  ${one.nodes.map((node) => `${node.html}\n    ${node.failureSummary}`).join("\n  ")}`);
   assert.deepEqual(serious.map((one) => one.id), [], what);
@@ -42,8 +43,10 @@ const browser = await startBrowser(chromium);
 let failed = 0;
 for (const [name, test] of Object.entries({ ...photographTests, ...controlTests })) {
   if (!name.includes(only)) continue;
+  const began = Date.now();
   const context = await browser.newContext({ reducedMotion: "reduce", viewport: { width: 1280, height: 800 }, locale: "en-GB" });
   context.setDefaultTimeout(20_000);
+  countRequests(context);
   const complaints = [];
   context.on("console", (message) => {
     // What is refused on purpose is told by the browser, too.
@@ -57,7 +60,7 @@ for (const [name, test] of Object.entries({ ...photographTests, ...controlTests 
     const shot = (name) => page.screenshot({ path: join(shots, `${name}.png`) });
     await test({ page, context, world, open, shot, judge: (what) => judge(page, what) });
     assert.deepEqual([...new Set(complaints)], []);
-    console.log(`ok      ${name}`);
+    console.log(`ok      ${name} (${((Date.now() - began) / 1000).toFixed(1)} s)`);
   } catch (error) {
     ++failed;
     console.log(`FAILED  ${name}\n${error.stack}\n  ${complaints.join("\n  ")}`);

@@ -54,6 +54,7 @@ Command edit_command();
 Command serve_command();
 Command predict_command();
 Command ground_command();
+Command tags_command();
 Command target_command();
 
 /// Commands under one heading of the help.
@@ -78,6 +79,7 @@ struct CommandGroup {
            step_command(Step::kSurface, "digital surface model (GeoTIFF)"),
            step_command(Step::kTerrain, "digital terrain model and contours (GeoTIFF, GeoPackage, DXF)"),
            step_command(Step::kOrtho, "orthophoto (Cloud-Optimised GeoTIFF)"),
+           step_command(Step::kFrames, "surfaces, orthophotos and drawings of facades and other planes"),
            step_command(Step::kReport, "quality report (HTML and JSON)"),
            info_command(),
            edit_command(),
@@ -97,9 +99,10 @@ struct CommandGroup {
            relative_command(),     triplet_command(),  factorise_command(), interest_command(),
            correlate_command(),    absolute_command(), interior_command(),  resection_command(),
            intersection_command(), monoplot_command(), rotation_command(),  collinearity_command(),
-           refraction_command(),   edges_command(),    target_command(),    enhance_command(),
-           models_command(),       rectify_command(),  measure_command(),   plot_command(),
-           volume_command(),       profile_command(),  evaluate_command(),  grid_command(),
+           refraction_command(),   edges_command(),    target_command(),    tags_command(),
+           enhance_command(),      models_command(),   rectify_command(),   measure_command(),
+           plot_command(),         volume_command(),   profile_command(),   evaluate_command(),
+           grid_command(),
        }},
       {"Planning",
        {

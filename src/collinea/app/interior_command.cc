@@ -21,7 +21,12 @@ Command interior_command() {
         flags.add_all(asked.console, "run");
       },
       [](Asked& asked, Console& console) {
-        return interior_orientation(asked.measurements, asked.options, console.run()).map(interior_text);
+        return interior_orientation(asked.measurements, asked.options, console.run()).map([&](const auto& report) {
+          const auto& drawing = asked.options.drawing;
+          const bool is_drawing_alone = drawing && report.images.empty();
+          return (is_drawing_alone ? "" : interior_text(report)) +
+                 (drawing ? "marks drawn: " + drawing->string() + "\n" : "");
+        });
       });
 }
 

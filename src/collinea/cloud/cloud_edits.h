@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -13,6 +14,12 @@
 #include "collinea/geometry/polygon.h"
 
 namespace collinea {
+
+/// Classes of ASPRS that the program knows.
+constexpr std::uint8_t kUnclassified = 1, kGroundClass = 2, kLowNoise = 7, kHighNoise = 18;
+[[nodiscard]] constexpr bool is_noise(std::uint8_t classification) {
+  return classification == kLowNoise || classification == kHighNoise;
+}
 
 /// What becomes of the points of a region.
 enum class CloudAction { kClassify, kCut, kCrop };
@@ -38,6 +45,15 @@ struct CloudRegion {
   }
 };
 
+/// A text that is equal only of equal regions; for fingerprints.
+[[nodiscard]] std::string text_of(std::span<const CloudRegion> regions);
+
+/// Those that change which points make a surface: where no region is noise, classes do not.
+[[nodiscard]] std::vector<CloudRegion> regions_of_surface(std::vector<CloudRegion> regions);
+
+/// Those that give classes.
+[[nodiscard]] std::vector<CloudRegion> regions_of_classes(std::vector<CloudRegion> regions);
+
 /// Edits of a cloud, one after the other: a point that one removes is gone for all behind it. The order of the points
 /// and everything else of them stays. Cost: for each point the sides of the rings whose bounds hold it.
 class CloudEdits {
@@ -45,9 +61,14 @@ class CloudEdits {
   explicit CloudEdits(std::vector<CloudRegion> regions);
   [[nodiscard]] bool empty() const { return regions_.empty(); }
   void apply(std::vector<CloudPoint>& points) const;
+  /// The class that people gave what is at a position of the map; nothing: none.
+  [[nodiscard]] std::optional<std::uint8_t> class_at(const Eigen::Vector3d& position) const;
 
  private:
   [[nodiscard]] bool keeps(CloudPoint& point) const;
+  [[nodiscard]] bool is_in(std::size_t region, const Eigen::Vector3d& position) const {
+    return regions_[region].spans(position.z()) && rings_[region].contains(position.head<2>());
+  }
   std::vector<CloudRegion> regions_;
   std::vector<BoundedRing> rings_;  // of the regions
 };

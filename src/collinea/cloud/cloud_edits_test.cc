@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 namespace collinea {
 namespace {
 
@@ -29,6 +31,28 @@ TEST(CloudEdits, NeighboursSharePointsOnTheirSide) {
   CloudRegion left = region(CloudAction::kCut), right = left;
   for (Eigen::Vector2d& point : right.ring_m) point.x() += 4;
   for (double y = 0.25; y < 4; y += 0.25) EXPECT_NE(left.contains({4, y, 0}), right.contains({4, y, 0})) << y;
+}
+
+TEST(CloudEdits, TheLastClassGivenHolds) {
+  CloudRegion above = region(CloudAction::kClassify, 6);
+  above.low_m = 5;
+  const CloudEdits edits({region(CloudAction::kClassify, 2), above, region(CloudAction::kCut)});
+  EXPECT_EQ(edits.class_at({1, 1, 4}), 2);
+  EXPECT_EQ(edits.class_at({1, 1, 6}), 6);
+  EXPECT_EQ(edits.class_at({5, 1, 6}), std::nullopt);
+}
+
+TEST(CloudEdits, ASurfaceReadsClassesWhereSomethingIsNoise) {
+  const CloudRegion cut = region(CloudAction::kCut), ground = region(CloudAction::kClassify, 2);
+  EXPECT_EQ(text_of(regions_of_surface({cut, ground})), text_of(std::vector{cut}));
+  const std::vector<CloudRegion> noise = {region(CloudAction::kClassify, 7), cut, ground};  // the last gives points back
+  EXPECT_EQ(text_of(regions_of_surface(noise)), text_of(noise));
+  EXPECT_EQ(text_of(regions_of_classes({cut, ground})), text_of(std::vector{ground}));
+  CloudRegion higher = cut;
+  higher.low_m = 3;
+  EXPECT_NE(text_of(std::vector{higher}), text_of(std::vector{cut}));
+  higher.high_m = std::exchange(higher.low_m, std::nullopt);
+  EXPECT_NE(text_of(std::vector{higher}), text_of(std::vector{cut}));
 }
 
 TEST(CloudEdits, WhatIsBetweenCrossedSidesLiesInside) {

@@ -53,7 +53,8 @@ struct DenseOptions {
   double max_reprojection_px = 1.0;
   double max_sigmas = 4;
   double memory_mb = 800;
-  LasForm cloud = LasForm::kLas;
+  LasForm cloud = LasForm::kCopc;
+  bool ply = false;
 
   template <class Visit>
   static void describe(Visit&& visit) {
@@ -78,6 +79,7 @@ struct DenseOptions {
         "of it for depth maps",
         10, 1e6});
     visit(Field{"cloud", &O::cloud, "", "form of the cloud in the map"});
+    visit(Field{"ply", &O::ply, "", "the cloud as cloud.ply too: with normals, in the local frame"});
   }
 };
 

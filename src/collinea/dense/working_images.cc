@@ -35,6 +35,7 @@ DenseOptions options_of_matching(DenseOptions options) {
   options.max_sigmas = unset.max_sigmas;
   options.memory_mb = unset.memory_mb;
   options.cloud = unset.cloud;
+  options.ply = unset.ply;
   return options;
 }
 

@@ -19,10 +19,14 @@ Result<EditedWork> read_work(const Project& project, std::vector<UnfitEdit>* unf
   return work_in_force(EditContext(setup), journal.history(), unfit);
 }
 
-Result<CloudEdits> read_cloud_edits(const Project& project) {
+Result<std::vector<CloudRegion>> read_cloud_regions(const Project& project) {
   Journal journal(project.folder);
   COLLINEA_TRY(journal.refresh());
-  return CloudEdits(cloud_regions_in_force(journal.history()));
+  return cloud_regions_in_force(journal.history());
+}
+
+Result<CloudEdits> read_cloud_edits(const Project& project) {
+  return read_cloud_regions(project).map([](std::vector<CloudRegion> regions) { return CloudEdits(std::move(regions)); });
 }
 
 ImageMasks masks_of(const EditedWork& work) {

@@ -15,7 +15,8 @@ namespace collinea {
 /// journal or the setup cannot be read.
 [[nodiscard]] Result<EditedWork> read_work(const Project& project, std::vector<UnfitEdit>* unfit = nullptr);
 
-/// The edits of the cloud. Errors: the journal cannot be read.
+/// The regions of the cloud that were edited, in the order of the edits. Errors: the journal cannot be read.
+[[nodiscard]] Result<std::vector<CloudRegion>> read_cloud_regions(const Project& project);
 [[nodiscard]] Result<CloudEdits> read_cloud_edits(const Project& project);
 
 /// The masks of a work.

@@ -14,65 +14,14 @@ namespace {
 
 class Work : public EditsTest {
  protected:
-  /// All of it, as lines.
   std::string now() {
     EXPECT_TRUE(journal_.refresh());
     const EditContext context(setup_);
-    const EditedWork work = work_in_force(context, journal_.history());
-    std::string text;
-    const auto ring = [&](const std::vector<Eigen::Vector2d>& points) {
-      for (const Eigen::Vector2d& point : points) text += " " + exact(point.x()) + " " + exact(point.y());
-      text += "; ";
-    };
-    for (const ImageMask& one : work.masks) {
-      text += "mask " + one.name + " " + (one.image ? setup_.images.at(*one.image).file : "*");
-      ring(one.ring_px);
-    }
-    for (const SeamPatch& one : work.patches) {
-      text += "patch " + one.name + " " + setup_.images.at(one.image).file;
-      ring(one.ring_m);
-    }
-    for (const CloudRegion& one : work.regions) {
-      text += std::string(word_of(one.action)) + std::to_string(one.classification);
-      for (const auto& height : {one.low_m, one.high_m}) text += " " + (height ? exact(*height) : "-");
-      ring(one.ring_m);
-    }
-    for (const DrawingLayer& one : work.drawing.layers) text += line_of(words_of(SetLayer{one})) + "; ";
-    for (const DrawnFeature& one : work.drawing.features) text += line_of(words_of(drawn_again(one))) + "; ";
-    for (const std::string& id : work.drawing.erased) text += "erased " + id + "; ";
-    return text;
+    return text_of(work_in_force(context, journal_.history()), setup_);
   }
 
   Block setup_ = setup_to_edit();
 };
-
-std::vector<std::string> any_work(Random& random) {
-  const auto one_of = [&](const std::vector<std::string>& all) {
-    return all[random.below(static_cast<std::uint32_t>(all.size()))];
-  };
-  const std::string name = one_of({"a", "b", "c"}),
-                    kind = one_of({"mask", "mask", "unmask", "patch", "patch", "unpatch", "draw", "draw", "erase",
-                                   "attribute", "layer", "classify", "cut", "crop"});
-  const std::string feature = "F" + std::to_string(1 + random.below(12));
-  if (kind == "erase") return {kind, feature};
-  if (kind == "attribute") return {kind, feature, name, one_of({"x", "y", "-"})};
-  if (kind == "layer") return {kind, name, "any", one_of({"#000000", "#ff0000"})};
-  if (kind == "draw") {
-    Words words = {kind, one_of({"*", "*", feature}), name, "point"};
-    for (const char* attribute : {"a", "code"})
-      if (random.below(3) == 0) words.insert(words.end(), {"with", attribute, one_of({"x", "z", "-"})});
-    const std::string east = std::to_string(random.uniform()), image = one_of({"photo 0.jpg", "PHOTO 3.JPG"});
-    words.insert(words.end(), {"mono", east, "2", "3", "mark", image, "1", "2", "0.5"});
-    return words;
-  }
-  if (kind.starts_with("un")) return {kind, name};
-  std::vector<std::string> words = {kind, name, one_of({"photo 0.jpg", "PHOTO 3.JPG"})};
-  if (kind == "mask" && random.below(4) == 0) words[2] = "*";
-  if (kind == "classify") words = {kind, std::to_string(random.below(256)), "-", "100"};
-  if (kind == "cut" || kind == "crop") words = {kind, "-3.5", one_of({"-", "12"})};
-  for (int i = 0; i < 8; ++i) words.push_back(std::to_string(1000 * random.uniform()));
-  return words;
-}
 
 TEST_F(Work, IsWhatTheEditsInForceMakeWhateverIsUndoneAndRedone) {
   Random random(7);

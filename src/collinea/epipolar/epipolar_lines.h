@@ -5,6 +5,7 @@
 #include <array>
 #include <optional>
 
+#include "collinea/camera/camera.h"
 #include "collinea/epipolar/relative_elements.h"
 #include "collinea/geometry/rigid3.h"
 
@@ -38,5 +39,12 @@ class EpipolarLines {
   std::array<Eigen::Matrix3d, 5> by_change_;
   Matrix5 covariance_;
 };
+
+/// The fundamental matrix F of a pair, x_second' F x_first = 0 of homogeneous pixels:
+///     F = K_second^-T [t]x R K_first^-1,
+/// of unit norm. Nothing where a camera bends rays (lens, fisheye, additional parameters): epipolar lines of its pixels
+/// are curves.
+[[nodiscard]] std::optional<Eigen::Matrix3d> fundamental_matrix(const Camera& first, const Camera& second,
+                                                                const Rigid3& second_from_first);
 
 }  // namespace collinea

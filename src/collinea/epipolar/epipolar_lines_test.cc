@@ -44,6 +44,41 @@ TEST(EpipolarLines, DerivativesAreNumericOnes) {
   }
 }
 
+// Two cameras that have nothing in common, with affinity and shear.
+TEST(FundamentalMatrix, IsThatOfThePixels) {
+  Random random(4);
+  Camera first = ideal_camera(1000, 1500, 1200), second = ideal_camera(800, 1100, 900);
+  second.params[Camera::kCx] += 20;
+  second.params[Camera::kB1] = 3;
+  second.params[Camera::kB2] = -2;
+  for (int i = 0; i < 50; ++i) {
+    const Rigid3 motion = scene::random_motion(random);
+    const Eigen::Vector3d point = scene::random_point(random);
+    const auto seen = project(first, point), from_second = project(second, motion * point);
+    if (!seen || !from_second) continue;
+    const auto matrix = fundamental_matrix(first, second, motion);
+    ASSERT_TRUE(matrix);
+    EXPECT_NEAR(matrix->norm(), 1, 1e-12);
+    const Eigen::Vector3d line = *matrix * seen->homogeneous();
+    EXPECT_NEAR(line.dot(from_second->homogeneous()) / line.head<2>().norm(), 0, 1e-8);  // [px]
+  }
+}
+
+TEST(FundamentalMatrix, CamerasThatBendRaysHaveNone) {
+  Random random(5);
+  const Rigid3 motion = scene::random_motion(random);
+  const Camera straight = ideal_camera(1000, 1500, 1200);
+  for (const int param : {Camera::kK1, Camera::kK3, Camera::kP2}) {
+    Camera bent = straight;
+    bent.params[std::size_t(param)] = 1e-4;
+    EXPECT_FALSE(fundamental_matrix(bent, straight, motion));
+    EXPECT_FALSE(fundamental_matrix(straight, bent, motion));
+  }
+  Camera fisheye = straight;
+  fisheye.model = Equidistant{};
+  EXPECT_FALSE(fundamental_matrix(straight, fisheye, motion));
+}
+
 TEST(EpipolarLines, AnEpipoleHasNone) {
   const Rigid3 forward{Eigen::Quaterniond::Identity(), {0, 0, -1}};
   EXPECT_FALSE(EpipolarLines(forward).of({0, 0}));

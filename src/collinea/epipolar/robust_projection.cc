@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "collinea/epipolar/robust_start.h"
+#include "collinea/math/least_median.h"
 
 namespace collinea {
 namespace {
@@ -59,7 +60,7 @@ std::optional<RobustProjection> found(std::span<const ProjectedPoint> points, st
   if (!fit) return std::nullopt;
   RobustProjection out{{}, fit->scale_px};
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const double limit = 3.04 * std::max(fit->scale_px, points[i].sigma);
+    const double limit = wrong_beyond(2) * std::max(fit->scale_px, points[i].sigma);
     if (!(squared_error(fit->model, points[i]) <= limit * limit)) out.contradicting.push_back(i);
   }
   return out;

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "collinea/feature/internal/grey_fit.h"
+
 namespace collinea {
 namespace {
 
@@ -16,7 +18,6 @@ using Eigen::Vector2d;
 using Eigen::VectorXd;
 
 constexpr int kX = 0, kY = 1, kBlur = 2, kGround = 3, kSlopeX = 4, kSlopeY = 5, kContrast = 6, kFirst = 7;
-constexpr int kIterations = 30;
 constexpr double kLeastBlurPx = 0.2, kLargestBlurPx = 4;
 constexpr double kContrastSigmas = 5, kLeastContrast = 0.5;  // [grey]
 
@@ -133,16 +134,6 @@ Shape chequerboard_shape(const VectorXd& u, const Turns& turns, const Vector2d& 
 // --- adjustment
 // -------------------------------------------------------------------------------------------------------
 
-struct Window {
-  int x0 = 0, y0 = 0, width = 0, height = 0;
-  [[nodiscard]] int count() const { return width * height; }
-  [[nodiscard]] Vector2d pixel(int i) const { return {x0 + i % width + 0.5, y0 + i / width + 0.5}; }
-};
-
-bool lies_in(const FloatImage& image, const Window& w) {
-  return w.x0 >= 0 && w.y0 >= 0 && w.x0 + w.width <= image.width && w.y0 + w.height <= image.height;
-}
-
 // The grey value at a pixel, and its derivatives after the unknowns.
 double grey_of(TargetKind kind, const VectorXd& u, const Turns& turns, const Vector2d& p, double* derivatives) {
   const Vector2d q = p - u.head<2>();
@@ -161,50 +152,7 @@ double grey_of(TargetKind kind, const VectorXd& u, const Turns& turns, const Vec
   return u[kGround] + u[kSlopeX] * q.x() + u[kSlopeY] * q.y() + u[kContrast] * shape.value;
 }
 
-struct Equations {
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> design;
-  VectorXd residuals;  // observed minus model
-};
-
-Equations equations_of(const FloatImage& image, const Window& window, TargetKind kind, const VectorXd& unknowns) {
-  Equations out;
-  out.design.resize(window.count(), unknowns.size());
-  out.residuals.resize(window.count());
-  const Turns turns = turns_of(kind, unknowns);
-  for (int i = 0; i < window.count(); ++i) {
-    const double model = grey_of(kind, unknowns, turns, window.pixel(i), out.design.row(i).data());
-    out.residuals[i] = image.at(window.x0 + i % window.width, window.y0 + i / window.width) - model;
-  }
-  return out;
-}
-
-// The normal equations at some unknowns; squares: of the residuals.
-struct Normals {
-  MatrixXd matrix;
-  VectorXd right;
-  double squares = 0;
-};
-
-Normals normals_of(const FloatImage& image, const Window& window, TargetKind kind, const VectorXd& unknowns) {
-  const Eigen::Index n = unknowns.size();
-  Normals out{MatrixXd::Zero(n, n), VectorXd::Zero(n), 0};
-  const Turns turns = turns_of(kind, unknowns);
-  std::array<double, 11> d{};
-  for (int i = 0; i < window.count(); ++i) {
-    const double residual = image.at(window.x0 + i % window.width, window.y0 + i / window.width) -
-                            grey_of(kind, unknowns, turns, window.pixel(i), d.data());
-    out.squares += residual * residual;
-    for (Eigen::Index a = 0; a < n; ++a) {
-      out.right[a] += d[std::size_t(a)] * residual;
-      double* const column = &out.matrix(0, a);
-      for (Eigen::Index b = 0; b <= a; ++b) column[b] += d[std::size_t(b)] * d[std::size_t(a)];
-    }
-  }
-  out.matrix.triangularView<Eigen::StrictlyLower>() = out.matrix.transpose();
-  return out;
-}
-
-bool is_possible(const Window& window, TargetKind kind, const VectorXd& u) {
+bool is_possible(const GreyWindow& window, TargetKind kind, const VectorXd& u) {
   const Vector2d middle(window.x0 + window.width / 2.0, window.y0 + window.height / 2.0);
   if (!u.allFinite() || !(u[kBlur] >= kLeastBlurPx && u[kBlur] <= kLargestBlurPx)) return false;
   if (std::abs(u[kX] - middle.x()) > window.width / 4.0 || std::abs(u[kY] - middle.y()) > window.height / 4.0)
@@ -216,89 +164,41 @@ bool is_possible(const Window& window, TargetKind kind, const VectorXd& u) {
          (std::min(u[kFirst + 2], u[kFirst + 3]) > 0.2 && std::max(u[kFirst + 2], u[kFirst + 3]) < 0.2 * window.width);
 }
 
-// Levenberg and Marquardt; the unknowns at the minimum, or nothing.
-std::optional<VectorXd> minimum(const FloatImage& image, const Window& window, TargetKind kind, VectorXd u) {
-  double damping = 1e-3;
-  Normals now = normals_of(image, window, kind, u), then;
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
-    MatrixXd damped = now.matrix;
-    damped.diagonal() *= 1 + damping;
-    damped.diagonal().array() += 1e-12;
-    const VectorXd step = damped.ldlt().solve(now.right);
-    const VectorXd next = u + step;
-    if (!next.allFinite()) return std::nullopt;
-    const bool possible = is_possible(window, kind, next);
-    if (possible) then = normals_of(image, window, kind, next);
-    if (!possible || then.squares > now.squares * (1 + 1e-12)) {
-      damping *= 10;
-      if (damping > 1e10) return std::nullopt;
-      continue;
-    }
-    const bool is_done = step.head<2>().norm() < 1e-6 && damping < 1;
-    u = next;
-    std::swap(now, then);
-    damping = std::max(1e-9, damping / 10);
-    if (is_done) return u;
+// A kind of target in a window, for fit_grey().
+struct TargetModel {
+  static constexpr std::size_t kMostUnknowns = 11;
+  TargetKind kind;
+  const GreyWindow& window;
+
+  [[nodiscard]] bool is_possible(const VectorXd& u) const { return collinea::is_possible(window, kind, u); }
+  [[nodiscard]] auto at(const VectorXd& u) const {
+    return [this, &u, turns = turns_of(kind, u)](const Vector2d& p, double* derivatives) {
+      return grey_of(kind, u, turns, p, derivatives);
+    };
   }
-  return std::nullopt;
-}
+};
 
-// A' C A with the correlations of residuals up to two pixels, tapered so that it stays a covariance; nothing where
-// those of direct neighbours are not significant.
-std::optional<MatrixXd> correlated_moments(const Window& window, const Equations& e) {
-  const auto sum_over = [&](int dx, int dy, const auto& act) {
-    for (int y = std::max(0, -dy); y < std::min(window.height, window.height - dy); ++y)
-      for (int x = std::max(0, -dx); x < std::min(window.width, window.width - dx); ++x)
-        act(y * window.width + x, (y + dy) * window.width + x + dx);
-  };
-  const double variance = e.residuals.squaredNorm() / window.count();
-  const auto correlation = [&](int dx, int dy) {
-    double sum = 0;
-    sum_over(dx, dy, [&](int i, int j) { sum += e.residuals[i] * e.residuals[j]; });
-    return sum / (window.count() * variance);
-  };
-  if (!(variance > 0) || std::max(correlation(1, 0), correlation(0, 1)) < 3 / std::sqrt(window.count()))
-    return std::nullopt;
-  MatrixXd out = MatrixXd::Zero(e.design.cols(), e.design.cols());
-  for (int dy = -3; dy <= 3; ++dy)
-    for (int dx = -3; dx <= 3; ++dx) {
-      const double taper = (1 - std::abs(dx) / 4.0) * (1 - std::abs(dy) / 4.0);
-      const double weight = dx == 0 && dy == 0 ? 1 : taper * correlation(dx, dy);
-      sum_over(dx, dy, [&](int i, int j) { out += weight * e.design.row(i).transpose() * e.design.row(j); });
-    }
-  return out;
-}
-
-std::optional<Target> adjusted(const FloatImage& image, const Window& window, TargetKind kind, const VectorXd& start) {
-  if (!is_possible(window, kind, start)) return std::nullopt;
-  const auto u = minimum(image, window, kind, start);
-  if (!u) return std::nullopt;
-  const Equations e = equations_of(image, window, kind, *u);
-  const VectorXd scale = e.design.colwise().norm().cwiseMax(1e-300);
-  const MatrixXd scaled = e.design * scale.cwiseInverse().asDiagonal();
+std::optional<Target> adjusted(const FloatImage& image, GreyWindow window, TargetKind kind, const VectorXd& start) {
+  if (const int radius = window.width / 2; radius < kLeastSquareRadius_px)
+    for (int i = 0; i < window.count(); ++i)
+      window.used.push_back(counts_in_window(radius, window.pixel(i) - start.head<2>()));
   // The angle of a circle is not determined; all else must be.
-  const bool is_round = kind == TargetKind::kCircle &&
-                        std::abs((*u)[kFirst] - (*u)[kFirst + 1]) < 1e-3 * std::max((*u)[kFirst], (*u)[kFirst + 1]);
-  const Eigen::Index n = u->size() - (is_round ? 1 : 0);
-  const MatrixXd normals = (scaled.transpose() * scaled).topLeftCorner(n, n);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(normals);
-  if (!(eigen.eigenvalues()[0] > 1e-9)) return std::nullopt;
-  const MatrixXd inverse = scale.head(n).cwiseInverse().asDiagonal() * eigen.eigenvectors() *
-                           eigen.eigenvalues().cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose() *
-                           scale.head(n).cwiseInverse().asDiagonal();
-  Target out{.kind = kind, .at = u->head<2>(), .unknowns = *u};
-  out.redundancy = window.count() - int(n);
-  const double variance = e.residuals.squaredNorm() / out.redundancy;
-  out.sigma_grey = std::sqrt(variance);
-  out.cofactors = MatrixXd::Zero(u->size(), u->size());
-  out.cofactors.topLeftCorner(n, n) = variance * inverse;
-  if (const auto moments = correlated_moments(window, e)) {
-    out.has_correlated_residuals = true;
-    const MatrixXd spread = variance * inverse * moments->topLeftCorner(n, n) * inverse;
-    if (spread.topLeftCorner<2, 2>().trace() > out.cofactors.topLeftCorner<2, 2>().trace())
-      out.cofactors.topLeftCorner(n, n) = spread;
-  }
-  out.covariance = out.cofactors.topLeftCorner<2, 2>();
+  const auto undetermined = [&](const VectorXd& u) {
+    return kind == TargetKind::kCircle &&
+                   std::abs(u[kFirst] - u[kFirst + 1]) < 1e-3 * std::max(u[kFirst], u[kFirst + 1])
+               ? 1
+               : 0;
+  };
+  const auto fit = fit_grey(image, window, TargetModel{kind, window}, start, undetermined);
+  if (!fit) return std::nullopt;
+  const Target out{.kind = kind,
+                   .at = fit->unknowns.head<2>(),
+                   .covariance = fit->cofactors.topLeftCorner<2, 2>(),
+                   .unknowns = fit->unknowns,
+                   .cofactors = fit->cofactors,
+                   .sigma_grey = fit->sigma_grey,
+                   .redundancy = fit->redundancy,
+                   .has_correlated_residuals = fit->has_correlated_residuals};
   if (!(std::abs(out.contrast()) > std::max(kLeastContrast / 2, kContrastSigmas * out.sigma_grey))) return std::nullopt;
   return out;
 }
@@ -306,7 +206,7 @@ std::optional<Target> adjusted(const FloatImage& image, const Window& window, Ta
 // --- starts
 // -----------------------------------------------------------------------------------------------------------
 
-Window window_about(const Vector2d& p, int radius) {
+GreyWindow window_about(const Vector2d& p, int radius) {
   return {int(std::floor(p.x())) - radius, int(std::floor(p.y())) - radius, 2 * radius + 1, 2 * radius + 1};
 }
 
@@ -411,7 +311,7 @@ std::optional<VectorXd> cross_start(const FloatImage& image, const Vector2d& at,
 
 // From grey values alone: ground along the border of the window, size by the area beyond the middle grey value.
 std::optional<VectorXd> circle_start(const FloatImage& image, const Vector2d& at, int radius) {
-  const Window w = window_about(at, radius);
+  const GreyWindow w = window_about(at, radius);
   double border = 0, inside = bilinear(image, at.x(), at.y());
   int count = 0;
   for (int i = 0; i < w.count(); ++i)
@@ -454,7 +354,7 @@ std::optional<VectorXd> centred_start(const FloatImage& image, TargetKind kind, 
   std::optional<VectorXd> start;
   Vector2d centre = near_px;
   for (int pass = 0; pass < 3; ++pass) {
-    if (!lies_in(image, window_about(centre, radius_px))) return std::nullopt;
+    if (!window_about(centre, radius_px).lies_in(image)) return std::nullopt;
     start = kind == TargetKind::kCircle  ? circle_start(image, centre, radius_px)
             : kind == TargetKind::kCross ? cross_start(image, centre, ring_px)
                                          : chequerboard_start(image, centre, ring_px);
@@ -467,10 +367,12 @@ std::optional<VectorXd> centred_start(const FloatImage& image, TargetKind kind, 
 }  // namespace
 
 std::optional<Target> measure_target(const FloatImage& image, TargetKind kind, const Vector2d& near_px, int radius_px) {
-  if (radius_px < 4 || !near_px.allFinite() || !(near_px.cwiseAbs().maxCoeff() < 1e6)) return std::nullopt;
+  const int least_radius_px = kind == TargetKind::kChequerboard ? 3 : kLeastSquareRadius_px;
+  if (radius_px < least_radius_px || !near_px.allFinite() || !(near_px.cwiseAbs().maxCoeff() < 1e6))
+    return std::nullopt;
   for (const double part : {0.75, 0.5}) {  // of the window, where the ring runs
     const auto start = centred_start(image, kind, near_px, radius_px, part * radius_px);
-    if (!start || !lies_in(image, window_about(start->head<2>(), radius_px))) continue;
+    if (!start || !window_about(start->head<2>(), radius_px).lies_in(image)) continue;
     if (auto target = adjusted(image, window_about(start->head<2>(), radius_px), kind, *start)) return target;
   }
   return std::nullopt;
@@ -480,8 +382,8 @@ std::optional<Target> measure_circle(const FloatImage& image, const Ellipse& sta
   VectorXd u = start_of(TargetKind::kCircle, start.centre, 0, 0);
   u.segment<3>(kFirst) << start.major_px, start.minor_px, start.angle_rad;
   const int radius = int(std::ceil(start.major_px)) + 4;
-  const Window window = window_about(start.centre, radius);
-  if (!lies_in(image, window)) return std::nullopt;
+  const GreyWindow window = window_about(start.centre, radius);
+  if (!window.lies_in(image)) return std::nullopt;
   const double inside = bilinear(image, start.centre.x(), start.centre.y());
   double outside = 0;
   for (int k = 0; k < 16; ++k) {

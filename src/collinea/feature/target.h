@@ -47,12 +47,18 @@ struct Target {
 };
 
 /// Measures the target whose centre is near a position, within a square window of 2 radius + 1 pixels. `radius_px`: of
-/// the window; a circle must lie in it with some pixels to spare. Covariance: from the residuals, whose correlations up
-/// to two pixels are estimated and propagated where they are significant (3 sigmas). Nothing: a window beyond the
-/// image, no contrast (below 5 sigmas of the residuals), a centre farther off than half the radius, a shape
-/// that the window does not determine, an iteration that does not end.
+/// the window, 4 or more, of chequerboards 3; a circle must lie in it with some pixels to spare. Covariance: from the
+/// residuals, whose correlations up to two pixels are estimated and propagated where they are significant (3 sigmas).
+/// Nothing: a window beyond the image, no contrast (below 5 sigmas of the residuals), a centre farther off than half
+/// the radius, a shape that the window does not determine, an iteration that does not end.
 [[nodiscard]] std::optional<Target> measure_target(const FloatImage& image, TargetKind kind,
                                                    const Eigen::Vector2d& near_px, int radius_px);
+/// Below this radius a window is round, so that the corners of a square do not reach beyond a small target.
+inline constexpr int kLeastSquareRadius_px = 4;
+/// Whether a pixel of a window counts, its centre being so far from the target's.
+[[nodiscard]] inline bool counts_in_window(int radius_px, const Eigen::Vector2d& from_target) {
+  return radius_px >= kLeastSquareRadius_px || from_target.norm() <= radius_px + 0.6;
+}
 /// The same of a circle from its ellipse as edges give it.
 [[nodiscard]] std::optional<Target> measure_circle(const FloatImage& image, const Ellipse& start);
 

@@ -9,7 +9,8 @@
 #include <limits>
 #include <numbers>
 
-#include "collinea/math/random.h"
+#include "collinea/geometry/circle_fit.h"
+#include "collinea/math/least_median.h"
 
 namespace collinea {
 namespace {
@@ -103,23 +104,6 @@ std::optional<Vector2d> best_start(std::span<const PlanarDirection> directions) 
   return best;
 }
 
-// Calls visit with all triples below n, or with `most` drawn ones.
-template <class Visit>
-void for_triples(std::size_t n, std::size_t most, std::uint64_t seed, const Visit& visit) {
-  if (n * (n - 1) * (n - 2) / 6 <= most) {
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = i + 1; j < n; ++j)
-        for (std::size_t k = j + 1; k < n; ++k) visit(i, j, k);
-    return;
-  }
-  Random random(seed);
-  const auto below = static_cast<std::uint32_t>(n);
-  for (std::size_t trial = 0; trial < most; ++trial) {
-    const std::size_t i = random.below(below), j = random.below(below), k = random.below(below);
-    if (i != j && j != k && i != k) visit(i, j, k);
-  }
-}
-
 // Misfits over their sigmas.
 std::vector<double> misfits_at(std::span<const PlanarDirection> directions, const Vector2d& station,
                                double orientation) {
@@ -129,12 +113,12 @@ std::vector<double> misfits_at(std::span<const PlanarDirection> directions, cons
   return misfits;
 }
 
-// Robust standard deviation by the h-th smallest misfit (Rousseeuw and Leroy 1987), in stated ones.
+// By the h-th smallest misfit, in stated ones.
 double robust_scale(std::vector<double> misfits) {
-  const std::size_t n = misfits.size(), h = std::min(n, n / 2 + 2) - 1;
+  const std::size_t n = misfits.size(), h = median_rank(n, 3) - 1;
   for (double& misfit : misfits) misfit = std::abs(misfit);
   std::nth_element(misfits.begin(), misfits.begin() + static_cast<std::ptrdiff_t>(h), misfits.end());
-  return 1.4826 * (1 + 5 / (double(n) - 3)) * misfits[h];
+  return robust_sigma(misfits[h], n, 3, 1);
 }
 
 void add_danger_circle(std::span<const PlanarDirection> directions, PlanarResection& out) {
@@ -159,19 +143,11 @@ std::optional<DangerCircle> danger_circle(std::span<const Vector2d> points) {
   double extent = 0;
   for (const Vector2d& point : points) extent = std::max(extent, (point - middle).norm());
   if (!(extent > 0)) return std::nullopt;
-  // Circle x^2 + y^2 = 2 a x + 2 b y + c, about the middle and over the extent.
-  Matrix3d normal = Matrix3d::Zero();
-  Vector3d right = Vector3d::Zero();
-  for (const Vector2d& point : points) {
-    const Vector2d p = (point - middle) / extent;
-    const Vector3d row(2 * p.x(), 2 * p.y(), 1);
-    normal += row * row.transpose();
-    right += row * p.squaredNorm();
-  }
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(normal, Eigen::EigenvaluesOnly);
-  if (!(eigen.eigenvalues()[0] > kLine * eigen.eigenvalues()[2])) return std::nullopt;
-  const Vector3d circle = normal.ldlt().solve(right);
-  DangerCircle out{middle + extent * circle.head<2>(), extent * std::sqrt(circle.z() + circle.head<2>().squaredNorm())};
+  std::vector<Vector2d> scaled;
+  for (const Vector2d& point : points) scaled.push_back((point - middle) / extent);
+  const auto circle = algebraic_circle(scaled);
+  if (!circle || !(circle->conditioning > kLine)) return std::nullopt;
+  DangerCircle out{middle + extent * circle->centre, extent * circle->radius};
   double squares = 0;
   for (const Vector2d& point : points) squares += std::pow((point - out.centre).norm() - out.radius, 2);
   out.points_off = std::sqrt(squares / double(points.size()));
@@ -272,7 +248,7 @@ std::optional<std::vector<std::size_t>> contradicting_directions(std::span<const
   if (best.empty()) return std::nullopt;
   std::vector<std::size_t> wrong;
   for (int round = 0; round < 3; ++round) {
-    const double limit = 2.5 * std::max(1.0, robust_scale(best));
+    const double limit = wrong_beyond(1) * std::max(1.0, robust_scale(best));
     std::vector<PlanarDirection> right;
     wrong.clear();
     for (std::size_t i = 0; i < directions.size(); ++i)

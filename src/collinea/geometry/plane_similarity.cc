@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "collinea/math/random.h"
+#include "collinea/math/least_median.h"
 
 namespace collinea {
 namespace {
@@ -52,12 +52,11 @@ std::vector<double> distances(std::span<const PlanePair> pairs, const PlaneSimil
   return out;
 }
 
-// Robust standard deviation of a coordinate by the h-th smallest distance (Rousseeuw and Leroy 1987; chi-squared with
-// two degrees of freedom).
+// Of a coordinate, by the h-th smallest distance.
 double robust_scale(std::vector<double> distances) {
-  const std::size_t n = distances.size(), h = std::min(n, n / 2 + 1) - 1;
+  const std::size_t n = distances.size(), h = median_rank(n, 2) - 1;
   std::nth_element(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(h), distances.end());
-  return 0.8493 * (1 + 5 / (double(n) - 2)) * distances[h];
+  return robust_sigma(distances[h], n, 2, 2);
 }
 
 // The similarity with the least scale over pairs of points: all, or `most` drawn ones.
@@ -186,7 +185,7 @@ std::optional<std::vector<std::size_t>> contradicting_in_plane(std::span<const P
     std::vector<PlanePair> right;
     wrong.clear();
     for (std::size_t i = 0; i < pairs.size(); ++i)
-      if (off[i] <= 3.04 * std::max(scale, own_sigma(pairs[i], *best)))
+      if (off[i] <= wrong_beyond(2) * std::max(scale, own_sigma(pairs[i], *best)))
         right.push_back(pairs[i]);
       else
         wrong.push_back(i);

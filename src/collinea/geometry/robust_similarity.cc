@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "collinea/math/least_median.h"
 #include "collinea/math/median.h"
-#include "collinea/math/random.h"
 
 namespace collinea::bundle {
 namespace {
@@ -72,18 +72,7 @@ std::optional<Similarity3> best_of_triples(const std::vector<PositionPair>& pair
       best = candidate;
     }
   };
-  if (n * (n - 1) * (n - 2) / 6 <= most) {
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = i + 1; j < n; ++j)
-        for (std::size_t k = j + 1; k < n; ++k) attempt(i, j, k);
-    return best;
-  }
-  Random random(seed);
-  for (std::size_t trial = 0; trial < most; ++trial) {
-    const auto i = random.below(static_cast<std::uint32_t>(n)), j = random.below(static_cast<std::uint32_t>(n));
-    const auto k = random.below(static_cast<std::uint32_t>(n));
-    if (i != j && j != k && i != k) attempt(i, j, k);
-  }
+  for_triples(n, most, seed, attempt);
   return best;
 }
 

@@ -9,6 +9,7 @@
 #include "collinea/feature/interest.h"
 #include "collinea/io/number_rows.h"
 #include "collinea/jobs/internal/drawing.h"
+#include "collinea/jobs/internal/fundamental_file.h"
 #include "collinea/jobs/internal/out_folder.h"
 #include "collinea/match/neighbour_matching.h"
 #include "collinea/match/pair_points.h"
@@ -97,18 +98,6 @@ struct Lines {
   std::optional<Eigen::Matrix3d> fundamental = {};
 };
 
-Result<Eigen::Matrix3d> fundamental_of(const fs::path& file) {
-  const auto within = [&](Error error) { return std::move(error).within(file.string()).about("epipolar"_option); };
-  COLLINEA_TRY(const std::string text, read_file(file));
-  COLLINEA_TRY(const auto rows, parse_number_rows(text, false, 3, 3).map_error(within));
-  if (rows.size() != 3)
-    return tl::unexpected(within(Error{Errc::kBadFormat, "a fundamental matrix has three rows of three numbers"}));
-  Eigen::Matrix3d out;
-  for (int i = 0; i < 3; ++i)
-    for (int k = 0; k < 3; ++k) out(i, k) = rows[std::size_t(i)].numbers[std::size_t(k)];
-  return out;
-}
-
 // Whether options of the refinement mean anything, and the lines of refine line.
 Result<Lines> lines_of(const CorrelateOptions& options) {
   if (!options.refine && (options.window != WindowOptions{} || options.refine_return_px))
@@ -120,7 +109,9 @@ Result<Lines> lines_of(const CorrelateOptions& options) {
   if (options.line_px && options.epipolar)
     return fail(Errc::kBadInput, "the lines are given twice", {"line_px"_option, "epipolar"_option});
   if (options.epipolar) {
-    COLLINEA_TRY(const Eigen::Matrix3d fundamental, fundamental_of(*options.epipolar));
+    COLLINEA_TRY(const Eigen::Matrix3d fundamental, read_fundamental(*options.epipolar).map_error([](Error error) {
+      return std::move(error).about("epipolar"_option);
+    }));
     return Lines{{1, 0}, fundamental};
   }
   const auto given = parse_numbers(*options.line_px);

@@ -4,16 +4,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
+#include <unordered_set>
 
 #include "collinea/base/file.h"
+#include "collinea/base/file_text.h"
+#include "collinea/block/world_frame.h"
 #include "collinea/cloud/las.h"
 #include "collinea/cloud/ply.h"
 #include "collinea/edit/read_work.h"
+#include "collinea/geometry/polygon.h"
 #include "collinea/io/bingo.h"
 #include "collinea/io/bundler.h"
 #include "collinea/io/colmap.h"
+#include "collinea/io/map_area.h"
 #include "collinea/io/opk.h"
 #include "collinea/io/patb.h"
 #include "collinea/io/text.h"
@@ -68,18 +75,76 @@ std::string tile_name(const Tile& tile, double tile_m) {
   return fmt::format("cloud_{}_{}", exact(double(tile.first) * tile_m), exact(double(tile.second) * tile_m));
 }
 
-// The cloud as edits by hand have it, piece by piece.
-template <class Take>
-Result<> for_each_edited_piece(const Project& project, const CloudEdits& edits, const Take& take) {
-  return for_each_piece(project.cloud(), project.run, [&](std::vector<CloudPoint>& points) {
-    edits.apply(points);
-    return take(points);
-  });
-}
+// One point of each cube of a lattice, the first that comes.
+class Thinning {
+ public:
+  explicit Thinning(std::optional<double> spacing_m) : spacing_m_(spacing_m) {}
+  void apply(std::vector<CloudPoint>& points) {
+    if (spacing_m_)
+      std::erase_if(points, [&](const CloudPoint& point) { return !taken_.insert(cube_of(point)).second; });
+  }
+
+ private:
+  struct HashOfCube {
+    std::size_t operator()(const std::array<std::int32_t, 3>& cube) const {
+      std::uint64_t hash = 0;
+      for (const std::int32_t along : cube) hash = (hash ^ std::uint32_t(along)) * 0x9E3779B97F4A7C15U + (hash >> 29);
+      return std::size_t(hash);
+    }
+  };
+  [[nodiscard]] std::array<std::int32_t, 3> cube_of(const CloudPoint& point) const {
+    std::array<std::int32_t, 3> cube;
+    for (int axis = 0; axis < 3; ++axis)
+      cube[std::size_t(axis)] = std::int32_t(std::int64_t(std::floor(point.position[axis] / *spacing_m_)));
+    return cube;
+  }
+  std::optional<double> spacing_m_;
+  std::unordered_set<std::array<std::int32_t, 3>, HashOfCube> taken_;
+};
+
+// The cloud as it is wanted: with edits by hand, within an area, thinned. The same points each time it is read.
+class WantedCloud {
+ public:
+  static Result<WantedCloud> of(const Project& project, const ExportOptions& options) {
+    if (!is_there(project.cloud()))
+      return fail(Errc::kNotFound, "there is no cloud yet: collinea densify " + project.folder.string());
+    COLLINEA_TRY(CloudEdits edits, read_cloud_edits(project));
+    std::optional<BoundedRing> area;
+    if (options.area) {
+      COLLINEA_TRY(const std::string text, read_file(*options.area));
+      COLLINEA_TRY(MapArea corners, parse_area(text).map_error([&](Error e) {
+        return std::move(e).within(options.area->string()).about("area"_option);
+      }));
+      area.emplace(std::move(corners));
+    }
+    return WantedCloud(project, std::move(edits), std::move(area), options.spacing_m);
+  }
+
+  template <class Take>
+  Result<> for_each_piece(const Take& take) const {
+    Thinning thinning(spacing_m_);
+    return collinea::for_each_piece(project_.cloud(), project_.run, [&](std::vector<CloudPoint>& points) {
+      edits_.apply(points);
+      if (area_)
+        std::erase_if(points, [&](const CloudPoint& point) { return !area_->contains(point.position.head<2>()); });
+      thinning.apply(points);
+      return take(points);
+    });
+  }
+
+ private:
+  WantedCloud(const Project& project, CloudEdits edits, std::optional<BoundedRing> area,
+              std::optional<double> spacing_m)
+      : project_(project), edits_(std::move(edits)), area_(std::move(area)), spacing_m_(spacing_m) {}
+  const Project& project_;
+  CloudEdits edits_;
+  std::optional<BoundedRing> area_;
+  std::optional<double> spacing_m_;
+};
 
 // So many tiles at once, each with its file, and the cloud read as often as that takes: no cloud has too many tiles.
-Result<> write_tiles(const Project& project, const CloudEdits& edits, const std::filesystem::path& folder,
-                     LasWriter::Options options, const std::map<Tile, std::uint64_t>& counts, double tile_m) {
+Result<> write_tiles(const WantedCloud& cloud, const std::filesystem::path& folder, LasWriter::Options options,
+                     const std::map<Tile, std::uint64_t>& counts, double tile_m) {
   constexpr std::size_t kAtOnce = 64;
   const Eigen::Vector3d lowest = options.lowest, highest = options.highest;
   options.run.threads = 1;  // so many writers, each with what its threads wait for
@@ -94,7 +159,7 @@ Result<> write_tiles(const Project& project, const CloudEdits& edits, const std:
                    LasWriter::create(folder / las_file_name(tile_name(first->first, tile_m), options.form), options));
       writers.emplace(first->first, std::move(writer));
     }
-    auto written = for_each_edited_piece(project, edits, [&](std::vector<CloudPoint>& points) -> Result<> {
+    auto written = cloud.for_each_piece([&](std::vector<CloudPoint>& points) -> Result<> {
       std::map<Tile, std::vector<CloudPoint>> parts;
       for (const CloudPoint& point : points)
         if (const Tile tile = tile_of(point, tile_m); writers.contains(tile)) parts[tile].push_back(point);
@@ -113,42 +178,83 @@ Result<> write_tiles(const Project& project, const CloudEdits& edits, const std:
   return write_file(folder / "tiles.csv", list);
 }
 
-Result<> export_cloud(const Project& project, const std::filesystem::path& folder, LasForm form,
-                      std::optional<double> tile_m) {
-  if (!is_there(project.cloud()))
-    return fail(Errc::kNotFound, "there is no cloud yet: collinea densify " + project.folder.string());
+// In the map, in a form of LAS.
+Result<> export_las(const Project& project, const WantedCloud& cloud, const std::filesystem::path& folder, LasForm form,
+                    std::optional<double> tile_m) {
   COLLINEA_TRY(const LasReader reader, LasReader::open(project.cloud()));
   const LasHeader& header = reader.header();
   LasWriter::Options options{header.lowest, header.highest, header.wkt};
   options.form = form;
   options.run = project.run;
-  COLLINEA_TRY(const CloudEdits edits, read_cloud_edits(project));
   if (!tile_m) {
     COLLINEA_TRY(LasWriter writer, LasWriter::create(folder / las_file_name("cloud", form), options));
-    auto written =
-        for_each_edited_piece(project, edits, [&](std::vector<CloudPoint>& points) { return writer.write(points); });
+    auto written = cloud.for_each_piece([&](std::vector<CloudPoint>& points) { return writer.write(points); });
     return written ? writer.finish() : written;
   }
   constexpr std::size_t kMostTiles = 1'000'000;
   std::map<Tile, std::uint64_t> counts;
-  auto counted = for_each_edited_piece(project, edits, [&](std::vector<CloudPoint>& points) -> Result<> {
+  auto counted = cloud.for_each_piece([&](std::vector<CloudPoint>& points) -> Result<> {
     for (const CloudPoint& point : points) ++counts[tile_of(point, *tile_m)];
     if (counts.size() > kMostTiles)
       return fail(Errc::kBadInput, "the tiles are too small: there would be a million", {"tile_m"_option});
     return {};
   });
-  return counted ? write_tiles(project, edits, folder, options, counts, *tile_m) : counted;
+  return counted ? write_tiles(cloud, folder, options, counts, *tile_m) : counted;
 }
 
-std::optional<LasForm> cloud_form_of(ExportFormat format) {
+constexpr FileText kTextColumns = "# easting northing height red green blue sigma_m images class\n";
+
+// In the local frame: small numbers, which programs that read them in single precision keep.
+Result<> export_dense_ply(const WantedCloud& cloud, const std::filesystem::path& folder, const Block& block) {
+  COLLINEA_TRY(const std::optional<LocalFrame> frame, world_frame(block));
+  COLLINEA_TRY(PlyWriter writer, PlyWriter::create(folder / "cloud.ply", kLocalCloudComment));
+  auto written = cloud.for_each_piece([&](std::vector<CloudPoint>& points) -> Result<> {
+    std::vector<Eigen::Vector3d> positions;
+    for (const CloudPoint& point : points) positions.push_back(point.position);
+    if (frame) frame->local_from_map(positions);
+    for (std::size_t i = 0; i < points.size(); ++i) points[i].position = positions[i];
+    writer.write(points);
+    return {};
+  });
+  return written ? writer.finish() : written;
+}
+
+Result<> export_text(const WantedCloud& cloud, const std::filesystem::path& folder) {
+  COLLINEA_TRY(OutputFile file, OutputFile::create(folder / "cloud.xyz"));
+  file.write(kTextColumns);
+  auto written = cloud.for_each_piece([&](std::vector<CloudPoint>& points) -> Result<> {
+    std::string lines;
+    for (const CloudPoint& p : points)
+      fmt::format_to(std::back_inserter(lines), "{:.4f} {:.4f} {:.4f} {} {} {} {:.4g} {} {}\n", p.position.x(),
+                     p.position.y(), p.position.z(), p.colour[0], p.colour[1], p.colour[2], p.sigma_m, p.images,
+                     p.classification);
+    file.write(lines);
+    return {};
+  });
+  return written ? file.finish() : written;
+}
+
+std::optional<LasForm> las_form_of(ExportFormat format) {
   if (format == ExportFormat::kLas) return LasForm::kLas;
   if (format == ExportFormat::kLaz) return LasForm::kLaz;
   if (format == ExportFormat::kCopc) return LasForm::kCopc;
   return std::nullopt;
 }
 
+bool is_of_cloud(ExportFormat format) {
+  return las_form_of(format) || format == ExportFormat::kPly || format == ExportFormat::kXyz;
+}
+
+Result<> export_cloud(const Project& project, const std::filesystem::path& folder, const Block& block,
+                      const ExportOptions& options) {
+  COLLINEA_TRY(const WantedCloud cloud, WantedCloud::of(project, options));
+  if (options.format == ExportFormat::kPly) return export_dense_ply(cloud, folder, block);
+  if (options.format == ExportFormat::kXyz) return export_text(cloud, folder);
+  return export_las(project, cloud, folder, *las_form_of(options.format), options.tile_m);
+}
+
 bool has_colours(ExportFormat format) {
-  return format == ExportFormat::kColmap || format == ExportFormat::kBundler || format == ExportFormat::kPly;
+  return format == ExportFormat::kColmap || format == ExportFormat::kBundler || format == ExportFormat::kTiePoints;
 }
 
 PixelSource pixels_of(const Project& project, const Block& block) {
@@ -170,16 +276,18 @@ std::map<ImageId, PoseCovariance> covariances_of_poses(const Project& project) {
 
 Result<> export_block(Project& project, const std::filesystem::path& folder, const ExportOptions& options) {
   COLLINEA_TRY(validate(options));
-  const std::optional<LasForm> cloud = cloud_form_of(options.format);
-  if (options.tile_m && !cloud)
+  if (options.tile_m && !las_form_of(options.format))
     return fail(Errc::kBadInput, "tiles are of clouds: las, laz or copc", {"tile_m"_option, "format"_option});
+  if ((options.area || options.spacing_m) && !is_of_cloud(options.format))
+    return fail(Errc::kBadInput, "an area and a spacing are of clouds: las, laz, copc, ply or xyz",
+                {"area"_option, "spacing_m"_option, "format"_option});
   COLLINEA_TRY(Block block, project.store.read_block());
   if (oriented_images(block).empty())
     return fail(Errc::kNotFound, "the block is not oriented yet: collinea orient " + project.folder.string());
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return fail(Errc::kBadInput, "cannot make " + folder.string() + ": " + error.message());
-  if (cloud) return export_cloud(project, folder, *cloud, options.tile_m);
+  if (is_of_cloud(options.format)) return export_cloud(project, folder, block, options);
   if (has_colours(options.format)) COLLINEA_TRY(colour_tie_points(pixels_of(project, block), block, project.run));
   switch (options.format) {
     case ExportFormat::kColmap:

@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <optional>
+#include <set>
+#include <sstream>
 
 #include "collinea/base/file.h"
 #include "collinea/base/test_folder.h"
@@ -31,7 +35,7 @@ TEST(Export, ATiePointOfVeryManyImagesHasTheLargestNumberThereIs) {
   ASSERT_TRUE(project) << project.error().message;
   ASSERT_TRUE(project->store.write_setup(block));
   ASSERT_TRUE(project->store.write_orientation(block));
-  ASSERT_TRUE(export_block(*project, folder / "out", {.format = ExportFormat::kPly}));
+  ASSERT_TRUE(export_block(*project, folder / "out", {.format = ExportFormat::kTiePoints}));
   const auto cloud = read_ply(folder / "out/tie_points.ply");
   ASSERT_TRUE(cloud) << cloud.error().message;
   ASSERT_EQ(cloud->size(), 1u);
@@ -48,6 +52,7 @@ class EditedCloud : public ::testing::Test {
     set_pose(block, ImageId{0}, {});
     Settings settings;
     settings.photos = (folder_ / "").string();
+    settings.densify.cloud = LasForm::kLas;
     auto project = create_project(folder_ / "project", settings, {});
     ASSERT_TRUE(project) << project.error().message;
     project_.emplace(*std::move(project));
@@ -121,6 +126,52 @@ TEST_F(EditedCloud, LosesWhatIsCutAndWhatLiesOutsideACrop) {
   }
   EXPECT_EQ(next, after.size());
   EXPECT_EQ(exported(ExportFormat::kCopc).size(), after.size());
+}
+
+TEST_F(EditedCloud, IsThinnedAndCutToAnAreaInEveryForm) {
+  const std::vector<CloudPoint> before = exported();
+  ASSERT_TRUE(write_file(folder_ / "area.txt", "# corners\n20 30\n60,30\n60 80\n20 80\n"));
+  ExportOptions options{.format = ExportFormat::kLas, .spacing_m = 5, .area = folder_ / "area.txt"};
+  ASSERT_TRUE(export_block(*project_, folder_ / "thin", options));
+  const auto thin = LasReader::open(folder_ / "thin/cloud.las")->read(1'000'000).value();
+  std::set<std::array<int, 3>> cubes, all;
+  const auto cube_of = [](const CloudPoint& p) {
+    return std::array{int(std::floor(p.position.x() / 5)), int(std::floor(p.position.y() / 5)),
+                      int(std::floor(p.position.z() / 5))};
+  };
+  for (const CloudPoint& point : thin) {
+    EXPECT_TRUE(is_in_square(point.position, 0, 20));
+    EXPECT_TRUE(cubes.insert(cube_of(point)).second);
+  }
+  for (const CloudPoint& point : before)
+    if (is_in_square(point.position, 0, 20)) all.insert(cube_of(point));
+  EXPECT_EQ(cubes, all);
+
+  options.format = ExportFormat::kPly;
+  ASSERT_TRUE(export_block(*project_, folder_ / "thin", options));
+  const auto ply = read_ply(folder_ / "thin/cloud.ply").value();
+  options.format = ExportFormat::kXyz;
+  ASSERT_TRUE(export_block(*project_, folder_ / "thin", options));
+  std::istringstream text(read_file(folder_ / "thin/cloud.xyz").value());
+  std::string line;
+  std::getline(text, line);
+  EXPECT_TRUE(line.starts_with("#"));
+  ASSERT_EQ(ply.size(), thin.size());
+  for (std::size_t i = 0; i < thin.size(); ++i) {
+    EXPECT_EQ(ply[i].position, thin[i].position);  // no map: the local frame is the cloud's
+    ASSERT_TRUE(std::getline(text, line));
+    std::istringstream fields(line);
+    Eigen::Vector3d position;
+    fields >> position.x() >> position.y() >> position.z();
+    EXPECT_LT((position - thin[i].position).norm(), 1e-3);
+  }
+  EXPECT_FALSE(std::getline(text, line));
+
+  ASSERT_TRUE(write_file(folder_ / "area.txt", "20 30\n60 30\n"));
+  const auto refused = export_block(*project_, folder_ / "thin", options);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("area.txt"), std::string::npos) << refused.error().message;
+  EXPECT_FALSE(export_block(*project_, folder_ / "thin", {.format = ExportFormat::kOpk, .spacing_m = 5}));
 }
 
 // What is removed is gone for the edits behind it, and comes back with undo, bit by bit.

@@ -11,6 +11,7 @@
 #include "collinea/io/number_rows.h"
 #include "collinea/jobs/internal/image_findings.h"
 #include "collinea/jobs/internal/out_folder.h"
+#include "collinea/report/film_marks_drawing.h"
 #include "collinea/report/findings_text.h"
 
 namespace collinea {
@@ -248,19 +249,36 @@ Result<FilmCalibration> calibration_of(const InteriorOptions& options) {
   return calibration;
 }
 
+// The marks of the calibration; of no calibration and no type those of all types.
+Result<> draw_marks(const InteriorOptions& options, const FilmCalibration* calibration) {
+  std::vector<FilmCalibration> cameras;
+  if (calibration)
+    cameras.push_back(*calibration);
+  else
+    for (const auto& type : kFilmCameraTypeWords) cameras.push_back(nominal_calibration(type.value));
+  return write_file(*options.drawing, film_marks_svg(cameras, options.scans.mark_kind));
+}
+
 }  // namespace
 
 Result<InteriorReport> interior_orientation(const fs::path& measurements, const InteriorOptions& options,
                                             const Run& run) {
   COLLINEA_TRY(validate(options));
+  InteriorReport report;
+  const bool is_drawing_alone = options.drawing && measurements.empty() && !options.principal_point_px;
+  if (is_drawing_alone && !options.calibration && !options.gallery) {
+    COLLINEA_TRY(draw_marks(options, nullptr));
+    return report;
+  }
   if (!options.calibration && !options.gallery)
     return fail(Errc::kBadInput, "nothing says what the camera is: give its calibration, or its type",
                 {"calibration"_option, "gallery"_option});
-  if (measurements.empty() == !options.principal_point_px)
+  if (measurements.empty() == !options.principal_point_px && !is_drawing_alone)
     return fail(Errc::kBadInput, "an orientation is made from measured marks or from the principal point, one of both",
                 {"principal_point_px"_option});
-  InteriorReport report;
   COLLINEA_TRY(report.calibration, calibration_of(options));
+  if (options.drawing) COLLINEA_TRY(draw_marks(options, &report.calibration));
+  if (is_drawing_alone) return report;
   COLLINEA_TRY(const auto pixel_mm, pixel_mm_of(options));
   if (measurements.empty()) {
     COLLINEA_TRY(auto image, orient_without_marks(report.calibration, options, pixel_mm));

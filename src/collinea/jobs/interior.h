@@ -18,6 +18,7 @@ namespace collinea {
 struct InteriorOptions {
   std::optional<std::filesystem::path> calibration = {};
   std::optional<FilmCameraType> gallery = {};
+  std::optional<std::filesystem::path> drawing = {};
   std::optional<FilmModel> model = {};
   std::optional<double> sigma = {};
   std::optional<double> pixel_um = {}, dpi = {};
@@ -36,6 +37,10 @@ struct InteriorOptions {
               .leads_to(PathKind::kFile));
     visit(Field{"gallery", &O::gallery, "",
                 "common camera whose nominal marks take the place of a calibration, or of its marks"});
+    visit(Field{"drawing", &O::drawing, "",
+                "SVG file: the marks of the calibration or of the type as they are looked for, of neither those of all "
+                "types; it needs no measurements"}
+              .leads_to(PathKind::kOutput));
     visit(Field{"model", &O::model, "", "transformation between film and scan"}.or_auto(
         "the smallest that the larger ones do not reject"));
     visit(
@@ -64,7 +69,8 @@ struct InteriorOptions {
 /// The interior orientation of photographs from a table of measured marks (image mark x y [sigma]; coordinates in px,
 /// or in mm or um with y up; the same mark again is another reading of it), from
 /// the marks found in a scan or a folder of scans, or by --principal-point-px without one (an
-/// empty path). Errors: files, columns, no calibration, marks that determine nothing.
+/// empty path). With a drawing and neither measurements nor a principal point the marks are drawn, nothing else.
+/// Errors: files, columns, no calibration, marks that determine nothing.
 [[nodiscard]] Result<InteriorReport> interior_orientation(const std::filesystem::path& measurements,
                                                           const InteriorOptions& options, const Run& run);
 

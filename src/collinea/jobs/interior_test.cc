@@ -97,6 +97,44 @@ TEST_F(Interior, SideMarksOfOneCoordinate) {
   EXPECT_EQ((*table->words("coordinates"))[6], "y");
 }
 
+std::size_t count_of(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+// Every mark of every type with its shape: bars of crosses, discs of dots, and those of the kinds below.
+TEST_F(Interior, TheGalleryIsDrawn) {
+  InteriorOptions options;
+  options.drawing = folder_ / "all.svg";
+  const auto all = interior_orientation({}, options, {});
+  ASSERT_TRUE(all) << all.error().message;
+  EXPECT_TRUE(all->images.empty());
+  const std::string drawn = read_file(*options.drawing).value_or("");
+  for (const auto& type : kFilmCameraTypeWords)
+    EXPECT_NE(drawn.find(">" + std::string(type.word) + ", nominal<"), std::string::npos);
+  EXPECT_EQ(count_of(drawn, "transform='rotate(90)'"), 4u + 8 + 8 + 1);  // rc8, rc10, rc30, the kind
+  EXPECT_EQ(count_of(drawn, "<circle r="), 4u + 1);                      // rmk_a, the kind
+
+  options.gallery = FilmCameraType::kRmkA;
+  ASSERT_TRUE(interior_orientation({}, options, {}));
+  const std::string one = read_file(*options.drawing).value_or("");
+  EXPECT_EQ(count_of(one, "transform='rotate(90)'"), 0u);
+  EXPECT_EQ(count_of(one, "<circle r="), 5u);
+
+  // Of a calibration, beside what is done with the measurements. Axes look to the middle of the film.
+  options.gallery.reset();
+  options.calibration = file("camera.txt",
+                             "principal_distance_mm 150\nmark 1 -100 -100 corner\nmark 2 100 100 corner\nmark 3 0 100 "
+                             "notch\nmark 4 -100 0 notch\n");
+  ASSERT_TRUE(interior_orientation({}, options, {}));
+  const std::string axes = read_file(*options.drawing).value_or("");
+  for (const char* turned : {"rotate(-45)", "rotate(135)", "rotate(90)", "rotate(0)"})
+    EXPECT_NE(axes.find(std::string(turned) + "'>"), std::string::npos) << turned << "\n" << axes;
+  options.drawing = folder_ / "camera.txt" / "marks.svg";  // no folder
+  EXPECT_FALSE(interior_orientation({}, options, {}));
+}
+
 TEST_F(Interior, TheGalleryOrientsWithoutACalibration) {
   const auto done = interior_orientation(file("marks.txt", kMarks), {.gallery = FilmCameraType::kRc30}, {});
   ASSERT_TRUE(done) << done.error().message;

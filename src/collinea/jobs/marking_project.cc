@@ -7,7 +7,7 @@
 namespace collinea {
 
 double sigma_scale(const std::optional<AdjustmentRecord>& adjustment) {
-  return adjustment && adjustment->redundancy > 0 && adjustment->sigma0 > 1e-9 ? adjustment->sigma0 : 1;
+  return adjustment ? adjustment->sigma_scale() : 1;
 }
 
 MarkingBlock MarkingProject::marking() const {

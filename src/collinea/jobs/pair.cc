@@ -8,6 +8,7 @@
 #include "collinea/base/memory.h"
 #include "collinea/base/parallel.h"
 #include "collinea/dense/working_images.h"
+#include "collinea/jobs/internal/fundamental_file.h"
 #include "collinea/jobs/internal/given_pair.h"
 #include "collinea/jobs/internal/out_folder.h"
 #include "collinea/jobs/internal/pair_area.h"
@@ -139,6 +140,8 @@ Result<> check(const PairChainOptions& options) {
 
 Result<> write_tables(const PairReport& report, const fs::path& folder) {
   COLLINEA_TRY(write_result_tables(pair_tables(report), folder));
+  COLLINEA_TRY(
+      write_fundamental(report.cameras[0], report.cameras[1], report.relative->orientation.second_from_first, folder));
   return write_file(folder / "relative_geometry.svg", pair_shape_svg(*report.relative));
 }
 

@@ -10,7 +10,9 @@
 #include "collinea/base/file.h"
 #include "collinea/base/test_folder.h"
 #include "collinea/cloud/ply.h"
+#include "collinea/epipolar/epipolar_lines.h"
 #include "collinea/geometry/rotation.h"
+#include "collinea/jobs/correlate.h"
 #include "collinea/jobs/evaluate.h"
 #include "collinea/jobs/grid_points.h"
 #include "collinea/jobs/internal/pair_orientation.h"
@@ -85,6 +87,30 @@ void expect_intersection_goes_on(const VillagePair& village) {
   }
 }
 
+// correlate goes along the lines that the pair wrote, from the points that it wrote.
+void expect_epipolar_lines_lead_on(const VillagePair& village) {
+  CorrelateOptions options;
+  options.points = village.folder / "pair/points.txt";
+  options.refine = WindowModel::kLine;
+  options.epipolar = village.folder / "pair/fundamental.txt";
+  options.matching.search_px = 41;
+  const auto report = correlate_points(village.left, village.right, village.folder / "along", options, {.threads = 2});
+  ASSERT_TRUE(report) << report.error().message;
+  std::vector<double> off_line, off_truth;
+  const Camera& camera = village.truth.cameras.begin()->second;
+  const auto exact = fundamental_matrix(camera, camera, village.right_from_left());
+  ASSERT_TRUE(exact);
+  for (const CorrelatedPoint& point : report->points) {
+    if (!point.is_refined()) continue;
+    off_line.push_back(std::abs(*point.off_line_px));
+    const Eigen::Vector3d line = *exact * point.left_px.homogeneous();
+    off_truth.push_back(std::abs(line.dot(point.refined->position_px.homogeneous())) / line.head<2>().norm());
+  }
+  ASSERT_GT(off_line.size(), report->points.size() / 2);
+  EXPECT_LT(median(off_line), 0.2);    // of area matching
+  EXPECT_LT(median(off_truth), 0.05);  // of the lines: the orientation's errors alone
+}
+
 TEST(Pair, TwoImagesOfAVillageBecomeItsSurface) {
   const VillagePair village;
   PairChainOptions options;
@@ -121,6 +147,7 @@ TEST(Pair, TwoImagesOfAVillageBecomeItsSurface) {
     EXPECT_TRUE(is_there(village.folder / "pair" / file)) << file;
   expect_points_with_tests(*report, village.folder / "pair");
   expect_intersection_goes_on(village);
+  expect_epipolar_lines_lead_on(village);
 }
 
 TEST(Pair, TheDenseSurfaceHasMorePointsOnTheSameOrientation) {
@@ -200,6 +227,7 @@ TEST(Pair, ALensComesFromACameraFile) {
   const RelativeOrientation& found = with->orientations.back().orientation;
   EXPECT_LT(angle_between(found.second_from_first.rotation, truth.rotation), 5e-4);
   EXPECT_LT(with->orientations.back().sigma0_px, 0.1);
+  EXPECT_FALSE(is_there(village.folder / "pair/fundamental.txt"));  // its epipolar lines are curves
   options.camera.reset();
   options.principal_distance_px = kVillageFocal_px;
   const auto without = orient_and_match(village.left, village.right, village.folder / "pair", options, {.threads = 2});

@@ -28,23 +28,45 @@ Result<MarksReport> predict_marks(const Project& project, const std::string& poi
   return report;
 }
 
+namespace {
+
+// What lies within a reach about a position, cut at the borders of the image.
+PixelWindow window_about(const Eigen::Vector2d& near_px, int reach_px, int width_px, int height_px) {
+  const int left = std::clamp(int(near_px.x()) - reach_px, 0, width_px - 1);
+  const int top = std::clamp(int(near_px.y()) - reach_px, 0, height_px - 1);
+  return {left, top, std::min(2 * reach_px + 1, width_px - left), std::min(2 * reach_px + 1, height_px - top)};
+}
+
+FloatImage part_of(const FloatImage& image, const PixelWindow& whole, const PixelWindow& part) {
+  FloatImage out(part.width, part.height);
+  for (int y = 0; y < part.height; ++y)
+    std::copy_n(image.row(part.top - whole.top + y) + part.left - whole.left, part.width, out.row(y));
+  return out;
+}
+
+}  // namespace
+
 Result<RefinedMark> target_in_image(const std::filesystem::path& image, int width_px, int height_px,
-                                    const Eigen::Vector2d& near_px, std::optional<TargetKind> kind) {
+                                    const Eigen::Vector2d& near_px, std::optional<MarkedKind> kind) {
   const bool is_inside = near_px.x() >= 0 && near_px.y() >= 0 && near_px.x() <= width_px && near_px.y() <= height_px;
   if (!is_inside)
     return fail(Errc::kBadInput, "the position is not inside the image of " + std::to_string(width_px) + " x " +
                                      std::to_string(height_px) + " pixels");
-  const int left = std::clamp(int(near_px.x()) - kRefineReach_px, 0, width_px - 1);
-  const int top = std::clamp(int(near_px.y()) - kRefineReach_px, 0, height_px - 1);
-  const PixelWindow window{left, top, std::min(2 * kRefineReach_px + 1, width_px - left),
-                           std::min(2 * kRefineReach_px + 1, height_px - top)};
-  COLLINEA_TRY(const FloatImage grey, read_grey_window(image, width_px, height_px, window));
-  const Eigen::Vector2d corner(left, top);
-  auto found = refined_mark(grey, near_px - corner, kind);
+  const bool may_be_tag = !kind || kind == MarkedKind::kTag;
+  const PixelWindow target = window_about(near_px, kRefineReach_px, width_px, height_px);
+  const PixelWindow read = may_be_tag ? window_about(near_px, kTagReach_px, width_px, height_px) : target;
+  COLLINEA_TRY(const FloatImage grey, read_grey_window(image, width_px, height_px, read));
+  PixelWindow of = read;
+  auto found = may_be_tag ? tag_near(grey, near_px - Eigen::Vector2d(of.left, of.top)) : std::nullopt;
+  if (!found && kind != MarkedKind::kTag) {
+    of = target;
+    found = refined_mark(part_of(grey, read, target), near_px - Eigen::Vector2d(of.left, of.top),
+                         kind ? target_kind(*kind) : std::nullopt);
+  }
   if (!found)
     return fail(Errc::kNotConverged, "no target was found within " + std::to_string(int(kLargestMiss_px)) +
                                          " px: mark the point by hand, with its standard deviation");
-  found->pixel += corner;
+  found->pixel += Eigen::Vector2d(of.left, of.top);
   return *found;
 }
 

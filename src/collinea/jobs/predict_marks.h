@@ -18,7 +18,7 @@ namespace collinea {
 [[nodiscard]] Result<MarksReport> predict_marks(const Project& project, const std::string& point);
 
 struct TargetOptions {
-  std::optional<TargetKind> kind;
+  std::optional<MarkedKind> kind;
 
   template <class Visit>
   static void describe(Visit&& visit) {
@@ -27,13 +27,13 @@ struct TargetOptions {
   }
 };
 
-/// The target near a position of an image file (JPEG, PNG, TIFF): refined_mark(). Errors: the file's; a position that
-/// is not inside the image; kNotConverged, there is no target.
+/// The target near a position of an image file (JPEG, PNG, TIFF): tag_near(), where there is none refined_mark().
+/// Errors: the file's; a position that is not inside the image; kNotConverged, there is no target.
 [[nodiscard]] Result<RefinedMark> target_in_file(const std::filesystem::path& image, const Eigen::Vector2d& near_px,
                                                  const TargetOptions& options);
 
 /// The target near a position of an image of a size, from a window of its file. Errors: as above.
 [[nodiscard]] Result<RefinedMark> target_in_image(const std::filesystem::path& image, int width_px, int height_px,
-                                                  const Eigen::Vector2d& near_px, std::optional<TargetKind> kind);
+                                                  const Eigen::Vector2d& near_px, std::optional<MarkedKind> kind);
 
 }  // namespace collinea

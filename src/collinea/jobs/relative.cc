@@ -8,6 +8,7 @@
 #include "collinea/base/file.h"
 #include "collinea/camera/camera.h"
 #include "collinea/io/text_table.h"
+#include "collinea/jobs/internal/fundamental_file.h"
 #include "collinea/jobs/internal/given_relative.h"
 #include "collinea/jobs/internal/orientation_findings.h"
 #include "collinea/jobs/internal/pair_points.h"
@@ -102,6 +103,7 @@ Result<> write_tables(const RelativeReport& report, const fs::path& folder) {
   COLLINEA_TRY(write_file(folder / "residuals.txt", text_of(relative_residual_table(report))));
   COLLINEA_TRY(write_file(folder / "model.txt", text_of(relative_model_table(report))));
   COLLINEA_TRY(write_file(folder / "exterior.txt", text_of(relative_exterior_table(report))));
+  COLLINEA_TRY(write_fundamental(report, folder));
   COLLINEA_TRY(write_file(folder / "findings.json", findings_json_text(report.findings)));
   return write_file(folder / "geometry.svg", pair_shape_svg(report));
 }

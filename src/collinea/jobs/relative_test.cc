@@ -13,8 +13,10 @@
 #include <numbers>
 #include <string>
 
+#include "collinea/base/file.h"
 #include "collinea/epipolar/model_points.h"
 #include "collinea/epipolar/relative_elements.h"
+#include "collinea/io/number_rows.h"
 #include "collinea/jobs/internal/given_pair.h"
 #include "collinea/jobs/intersection.h"
 #include "collinea/math/random.h"
@@ -89,6 +91,7 @@ TEST_F(RelativePair, TextAndTablesSayWhatWasFound) {
   for (const char* name : {"parameters.txt", "residuals.txt", "model.txt", "exterior.txt"})
     EXPECT_TRUE(read_text_table(*options_.out / name)) << name;
   EXPECT_TRUE(fs::exists(*options_.out / "geometry.svg"));
+  EXPECT_FALSE(fs::exists(*options_.out / "fundamental.txt"));  // of millimetres
   const TextTable model = relative_model_table(*report);
   EXPECT_EQ(model.unit_of("W"), "m");
   const auto w = model.numbers("W", "m");
@@ -98,6 +101,48 @@ TEST_F(RelativePair, TextAndTablesSayWhatWasFound) {
   // The tables agree with each other: bases, angles
   const auto x = relative_exterior_table(*report).numbers("X", "m");
   EXPECT_NEAR((*x)[1], 600 / std::sqrt(1 + truth_.by * truth_.by + truth_.bz * truth_.bz), 1);
+}
+
+// What every point is off the line that the written matrix gives it is the misclosure of the orientation. The noise is
+// half a pixel in each of four coordinates.
+TEST_F(RelativePair, WritesTheFundamentalMatrixOfPixels) {
+  options_.photo.principal_distance = 15300;
+  options_.photo.principal_point = "10000,10000";
+  options_.out = folder_ / "out";
+  const fs::path pair = simulated("point x_left[px] y_left[px] x_right[px] y_right[px]", true);
+  const auto report = orient_pair(pair, options_);
+  ASSERT_TRUE(report) << report.error().message;
+  const auto distances = [&]() -> std::vector<double> {
+    const auto file = read_file(folder_ / "out/fundamental.txt");
+    if (!file) return {};
+    const auto rows = parse_number_rows(*file, false, 3, 3);
+    if (!rows || rows->size() != 3) return {};
+    Eigen::Matrix3d matrix;
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k) matrix(i, k) = (*rows)[std::size_t(i)].numbers[std::size_t(k)];
+    const auto table = read_text_table(pair);
+    const auto x1 = *table->numbers("x_left", "px"), y1 = *table->numbers("y_left", "px"),
+               x2 = *table->numbers("x_right", "px"), y2 = *table->numbers("y_right", "px");
+    std::vector<double> out;
+    for (std::size_t i = 0; i < x1.size(); ++i) {
+      const Eigen::Vector3d line = matrix * Eigen::Vector3d(x1[i], y1[i], 1);
+      out.push_back(line.dot(Eigen::Vector3d(x2[i], y2[i], 1)) / line.head<2>().norm());
+    }
+    return out;
+  };
+  const std::vector<double> solved = distances();
+  ASSERT_EQ(solved.size(), 24u);
+  double squares = 0;
+  for (const double one : solved) squares += one * one;
+  const double rms = std::sqrt(squares / 24);  // of 0.5 sqrt(2) px and 19 of 24 degrees of freedom: 0.63
+  EXPECT_GT(rms, 0.4);
+  EXPECT_LT(rms, 0.9);
+  // A given orientation writes the same.
+  options_.given = (folder_ / "out/exterior.txt").string();
+  ASSERT_TRUE(orient_pair(pair, options_));
+  const std::vector<double> given = distances();
+  ASSERT_EQ(given.size(), 24u);
+  for (std::size_t i = 0; i < 24; ++i) EXPECT_NEAR(given[i], solved[i], 0.01);
 }
 
 TEST_F(RelativePair, DistancesGiveTheBase) {

@@ -6,17 +6,20 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <ranges>
 
 #include "collinea/base/file.h"
 #include "collinea/io/number_rows.h"
 #include "collinea/jobs/internal/danger_shape.h"
 #include "collinea/jobs/internal/image_findings.h"
 #include "collinea/jobs/internal/pose_estimates.h"
+#include "collinea/jobs/internal/rejection.h"
 #include "collinea/jobs/internal/resection_linear.h"
 #include "collinea/jobs/internal/resection_matrix.h"
 #include "collinea/jobs/internal/resection_station.h"
 #include "collinea/jobs/internal/resection_tables.h"
 #include "collinea/jobs/result_tables.h"
+#include "collinea/orient/contradicting_mark.h"
 
 namespace collinea {
 namespace {
@@ -108,9 +111,8 @@ Result<Starts> starts_of(ResectionTables& tables, const PhotoFrame& frame, const
     out.scales.push_back(is_robust ? starts[0].scale_px : 0);
     if (!is_robust) continue;
     for (std::size_t k = 0; k < rows.size(); ++k) {
-      const auto seen = project(frame.camera, starts[0].cam_from_world * points[k]);
-      const double limit = 3.04 * std::max(starts[0].scale_px, tables.marks[rows[k]].sigma);
-      tables.marks[rows[k]].is_rejected = !seen || (*seen - pixels[k]).norm() > limit;
+      ResectionRow& mark = tables.marks[rows[k]];
+      mark.is_rejected = contradicts(frame.camera, starts[0], points[k], pixels[k], mark.sigma);
     }
   }
   return out;
@@ -139,21 +141,15 @@ void choose_solutions(const Problem& problem, const PhotoFrame& frame, Starts& s
 Result<SpaceResection> fitted(ResectionTables& tables, const PhotoFrame& frame, Starts& starts,
                               const ResectOneOptions& options) {
   for (int pass = 0; pass < 2; ++pass) choose_solutions(problem_of(tables, frame), frame, starts);
-  while (true) {
-    const Problem problem = problem_of(tables, frame);
-    COLLINEA_TRY(SpaceResection found, space_resection(frame.camera, starts.poses, problem.marks, problem.points));
-    if (!options.reject || found.redundancy <= 2) return found;
-    const VarianceTest variance{found.sigma0, found.redundancy, tables.sigmas_are_stated, options.alpha};
-    std::size_t worst = 0;
-    for (std::size_t k = 0; k < found.marks.size(); ++k)
-      if (found.marks[k].w.cwiseAbs().maxCoeff() > found.marks[worst].w.cwiseAbs().maxCoeff()) worst = k;
-    if (!(found.marks[worst].w.cwiseAbs().maxCoeff() / variance.of_tests() > variance.limit())) return found;
-    ResectionTables without = tables;
-    without.marks[problem.rows[worst]].is_rejected = true;
-    const Problem smaller = problem_of(without, frame);
-    if (!space_resection(frame.camera, starts.poses, smaller.marks, smaller.points)) return found;
-    tables = std::move(without);
-  }
+  const auto problem = [&] { return problem_of(tables, frame); };
+  return fitted_with_rejection(
+      Rejection{options.reject, tables.sigmas_are_stated, options.alpha, 2},
+      [&] {
+        const Problem now = problem();
+        return space_resection(frame.camera, starts.poses, now.marks, now.points);
+      },
+      [](const SpaceResection& found) { return found.marks | std::views::transform(&MarkTest::w); },
+      [&](std::size_t k) -> bool& { return tables.marks[problem().rows[k]].is_rejected; });
 }
 
 // The points of an image that take part, and those with ground coordinates.

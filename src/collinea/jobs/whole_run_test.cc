@@ -10,12 +10,12 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
-#include <tuple>
 
 #include "collinea/base/file.h"
 #include "collinea/base/test_folder.h"
 #include "collinea/block/world_frame.h"
 #include "collinea/cloud/las.h"
+#include "collinea/cloud/ply.h"
 #include "collinea/jobs/assess.h"
 #include "collinea/jobs/export.h"
 #include "collinea/jobs/info.h"
@@ -38,10 +38,10 @@ std::string bytes_of(const fs::path& path) {
 }
 
 const std::vector<std::string> kProducts = {
-    "cloud.las",         "cloud.ply",        "dsm.tif",        "dsm_sigma.tif",          "dsm_state.tif",
-    "dtm.tif",           "dtm_sigma.tif",    "dtm_state.tif",  "contours.gpkg",          "contours.dxf",
-    "ortho.tif",         "ortho_source.tif", "seamlines.gpkg", "dsm_sigma_relative.tif", "dtm_sigma_relative.tif",
-    "dsm_hillshade.tif", "dtm_hillshade.tif"};
+    "cloud.copc.laz",   "dsm.tif",        "dsm_sigma.tif",          "dsm_state.tif",          "dtm.tif",
+    "dtm_sigma.tif",    "dtm_state.tif",  "contours.gpkg",          "contours.dxf",           "ortho.tif",
+    "ortho_source.tif", "seamlines.gpkg", "dsm_sigma_relative.tif", "dtm_sigma_relative.tif", "dsm_hillshade.tif",
+    "dtm_hillshade.tif"};
 
 class WholeProject : public SmallProject {
  public:
@@ -51,7 +51,7 @@ class WholeProject : public SmallProject {
   void projection_centres_are_where_they_were();
   void info_tells_what_is_known();
   void export_writes_every_format_and_refuses_others();
-  void a_compressed_cloud_gives_the_same_surface();
+  void a_cloud_of_any_form_gives_the_same_surface();
   void what_is_up_to_date_is_not_done_again();
   void a_lost_cloud_comes_back_with_its_classes();
   void a_changed_option_redoes_its_step_and_what_follows();
@@ -130,20 +130,21 @@ void WholeProject::info_tells_what_is_known() {
       EXPECT_GT(point.difference_sigma_m[axis], 0) << point.point.value;
       EXPECT_LT(point.difference_sigma_m[axis], 1) << point.point.value;
     }
-  ASSERT_EQ(info->steps.size(), 10u);
+  ASSERT_EQ(info->steps.size(), 11u);
   EXPECT_EQ(info->steps.front().name(), "import");
 }
 
 void WholeProject::export_writes_every_format_and_refuses_others() {
   auto project = open_project(root_ / "mapped", {});
   ASSERT_TRUE(project);
-  for (const ExportFormat format : {ExportFormat::kColmap, ExportFormat::kOpk, ExportFormat::kPly, ExportFormat::kLas,
+  for (const ExportFormat format : {ExportFormat::kColmap, ExportFormat::kOpk, ExportFormat::kTiePoints, ExportFormat::kLas,
                                     ExportFormat::kLaz, ExportFormat::kCopc})
     ASSERT_TRUE(export_block(*project, root_ / "export", {.format = format})) << word_of(format);
   for (const char* file : {"cameras.txt", "images.txt", "points3D.txt", "cameras.bin", "orientation.opk",
                            "tie_points.ply", "cloud.laz", "cloud.copc.laz"})
     EXPECT_TRUE(fs::exists(root_ / "export" / file)) << file;
-  EXPECT_TRUE(bytes_of(root_ / "export/cloud.las").size() == bytes_of(root_ / "mapped/products/cloud.las").size());
+  EXPECT_EQ(LasReader::open(root_ / "export/cloud.las")->header().points,
+            LasReader::open(project->cloud())->header().points);
   // In tiles: every point in one of them, and within it.
   ASSERT_TRUE(export_block(*project, root_ / "tiles", {.format = ExportFormat::kLaz, .tile_m = 40}));
   std::uint64_t in_tiles = 0, files = 0;
@@ -164,30 +165,40 @@ void WholeProject::export_writes_every_format_and_refuses_others() {
   EXPECT_FALSE(export_block(*project, root_ / "tiles", {.format = ExportFormat::kOpk, .tile_m = 40}));
 }
 
-void WholeProject::a_compressed_cloud_gives_the_same_surface() {
-  fs::copy(root_ / "mapped", root_ / "compressed", fs::copy_options::recursive);
-  const fs::path products = root_ / "compressed/products";
+void WholeProject::a_cloud_of_any_form_gives_the_same_surface() {
+  fs::copy(root_ / "mapped", root_ / "other_form", fs::copy_options::recursive);
+  const fs::path products = root_ / "other_form/products";
   fs::copy(products / "dsm.tif", root_ / "truth/dsm.tif");  // a truth like any other, for `assessed`
   const auto assessed = [](const fs::path& project) {
     return open_project(project, {})
         .and_then([](const Project& p) { return assess_project(p, root_).map(assessment_text); })
         .value();
   };
-  for (const auto& [form, name, earlier] : {std::tuple(LasForm::kLaz, "cloud.laz", "cloud.las"),
-                                            std::tuple(LasForm::kCopc, "cloud.copc.laz", "cloud.laz")}) {
+  std::map<LasForm, std::uintmax_t> sizes = {{LasForm::kCopc, fs::file_size(root_ / "mapped/products/cloud.copc.laz")}};
+  for (const auto& [form, earlier] :
+       {std::pair(LasForm::kLas, LasForm::kCopc), std::pair(LasForm::kLaz, LasForm::kLas)}) {
     Settings changed = settings();
     changed.densify.cloud = form;
+    changed.densify.ply = form == LasForm::kLas;
     Log log;
-    ASSERT_TRUE(bring(root_ / "compressed", changed, log, Step::kTerrain));
-    EXPECT_FALSE(fs::exists(products / earlier));  // that of the earlier setting is not left beside
-    EXPECT_LT(5 * fs::file_size(products / name), fs::file_size(root_ / "mapped/products/cloud.las")) << word_of(form);
+    ASSERT_TRUE(bring(root_ / "other_form", changed, log, Step::kTerrain));
+    EXPECT_FALSE(fs::exists(products / las_file_name("cloud", earlier)));  // that of the earlier setting
+    sizes[form] = fs::file_size(products / las_file_name("cloud", form));
+    EXPECT_EQ(fs::exists(products / "cloud.ply"), changed.densify.ply);
     for (const char* product : {"dsm.tif", "dtm.tif"})
       EXPECT_TRUE(bytes_of(products / product) == bytes_of(root_ / "mapped/products" / product)) << word_of(form);
-    EXPECT_EQ(assessed(root_ / "compressed"), assessed(root_ / "mapped")) << word_of(form);
+    EXPECT_EQ(assessed(root_ / "other_form"), assessed(root_ / "mapped")) << word_of(form);
+    if (!changed.densify.ply) continue;
+    const auto ply = read_ply(products / "cloud.ply");
+    ASSERT_TRUE(ply) << ply.error().message;
+    EXPECT_EQ(ply->size(), LasReader::open(products / "cloud.las")->header().points);
+    EXPECT_TRUE(std::all_of(ply->begin(), ply->end(), [](const CloudPoint& p) { return p.normal.norm() > 0.99F; }));
   }
+  EXPECT_LT(5 * sizes[LasForm::kCopc], sizes[LasForm::kLas]);
+  EXPECT_LT(5 * sizes[LasForm::kLaz], sizes[LasForm::kLas]);
   EXPECT_NE(assessed(root_ / "mapped").find("cloud, sigma"), std::string::npos);
   fs::remove(root_ / "truth/dsm.tif");
-  fs::remove_all(root_ / "compressed");
+  fs::remove_all(root_ / "other_form");
 }
 
 void WholeProject::what_is_up_to_date_is_not_done_again() {
@@ -198,11 +209,11 @@ void WholeProject::what_is_up_to_date_is_not_done_again() {
 
 void WholeProject::a_lost_cloud_comes_back_with_its_classes() {
   const fs::path project = copy("lost");
-  fs::remove(project / "products/cloud.las");
+  fs::remove(project / "products/cloud.copc.laz");
   Log log;
   ASSERT_TRUE(bring(project, settings(), log, Step::kReport));
   EXPECT_EQ(log.steps_done(), (std::vector<std::string>{"densify", "terrain"}));
-  EXPECT_TRUE(bytes_of(project / "products/cloud.las") == bytes_of(root_ / "mapped/products/cloud.las"));
+  EXPECT_TRUE(bytes_of(project / "products/cloud.copc.laz") == bytes_of(root_ / "mapped/products/cloud.copc.laz"));
 }
 
 void WholeProject::a_changed_option_redoes_its_step_and_what_follows() {
@@ -228,9 +239,10 @@ void WholeProject::another_adjustment_reaches_every_product() {
   changed.adjust.use_control = false;
   Log log;
   ASSERT_TRUE(bring(project, changed, log, Step::kReport));
-  EXPECT_EQ(log.steps_done(), (std::vector<std::string>{"adjust", "densify", "surface", "terrain", "ortho", "report"}));
-  const std::vector<std::string> products = {"cloud.las", "dsm.tif",       "dsm_sigma.tif",
-                                             "dtm.tif",   "dtm_sigma.tif", "ortho.tif"};
+  EXPECT_EQ(log.steps_done(),
+            (std::vector<std::string>{"adjust", "densify", "surface", "terrain", "ortho", "frames", "report"}));
+  const std::vector<std::string> products = {"cloud.copc.laz", "dsm.tif",       "dsm_sigma.tif",
+                                             "dtm.tif",        "dtm_sigma.tif", "ortho.tif"};
   for (const std::string& product : products)
     EXPECT_FALSE(bytes_of(project / "products" / product) == bytes_of(root_ / "mapped/products" / product)) << product;
   ASSERT_TRUE(bring(project, settings(), log, Step::kReport));
@@ -251,8 +263,8 @@ void WholeProject::options_of_fusion_leave_depth_maps_alone_and_others_do_not() 
   EXPECT_EQ(log.steps_done(), std::vector<std::string>{"densify"});
   EXPECT_TRUE(times_of_depth_maps(kept) == times);
   ASSERT_TRUE(bring(anew, changed, log, Step::kDensify));
-  EXPECT_TRUE(bytes_of(kept / "products/cloud.las") == bytes_of(anew / "products/cloud.las"));
-  EXPECT_FALSE(bytes_of(kept / "products/cloud.las") == bytes_of(root_ / "mapped/products/cloud.las"));
+  EXPECT_TRUE(bytes_of(kept / "products/cloud.copc.laz") == bytes_of(anew / "products/cloud.copc.laz"));
+  EXPECT_FALSE(bytes_of(kept / "products/cloud.copc.laz") == bytes_of(root_ / "mapped/products/cloud.copc.laz"));
   changed.densify.min_correlation = 0.6;
   ASSERT_TRUE(bring(kept, changed, log, Step::kDensify));
   const auto later = times_of_depth_maps(kept);
@@ -270,7 +282,7 @@ void WholeProject::images_that_were_moved_are_only_read_again() {
 
 void WholeProject::what_stands_in_the_way_of_a_product_is_named() {
   const fs::path project = copy("in_the_way");
-  fs::remove(project / "products/cloud.ply");
+  fs::remove(project / "products/cloud.copc.laz");
   fs::create_directories(project / "products/cloud.laz/folder");
   Log log;
   const auto done = bring(project, settings(), log, Step::kDensify);
@@ -338,7 +350,7 @@ void WholeProject::given_seamlines_are_followed_and_redo_the_orthophoto_when_the
 
 void WholeProject::a_depth_map_that_cannot_be_kept_ends_the_step_and_the_next_run_makes_the_same() {
   const fs::path project = copy("full_disk");
-  fs::remove(project / "products/cloud.ply");
+  fs::remove(project / "products/cloud.copc.laz");
   const auto overviews = [&] {
     std::vector<fs::path> found;
     for (const auto& entry : fs::directory_iterator(project / "depth/overview"))
@@ -363,7 +375,7 @@ void WholeProject::a_depth_map_that_cannot_be_kept_ends_the_step_and_the_next_ru
   fs::remove_all(in_the_way);
   const auto done = bring(project, settings(), log, Step::kTerrain);
   ASSERT_TRUE(done) << done.error().message;
-  EXPECT_TRUE(bytes_of(project / "products/cloud.las") == bytes_of(root_ / "mapped/products/cloud.las"));
+  EXPECT_TRUE(bytes_of(project / "products/cloud.copc.laz") == bytes_of(root_ / "mapped/products/cloud.copc.laz"));
 }
 
 void WholeProject::stopped_in_every_step_and_continued_on_two_threads_it_is_the_same_to_the_byte() {
@@ -395,7 +407,7 @@ void WholeProject::stopped_in_every_step_and_continued_on_two_threads_it_is_the_
 void WholeProject::files_left_half_written_are_swept_and_others_are_not() {
   const fs::path project = copy("swept");
   for (const char* file :
-       {"products/cloud.las.part123", "products/contours.part.gpkg", "products/contours.part.gpkg-journal",
+       {"products/cloud.copc.laz.part123", "products/contours.part.gpkg", "products/contours.part.gpkg-journal",
         "depth/a.tif.part", "depth/overview/b.tif.part", "scratch/points_1_1.bin"}) {
     fs::create_directories((project / file).parent_path());
     ASSERT_TRUE(write_file(project / file, "half"));
@@ -405,7 +417,7 @@ void WholeProject::files_left_half_written_are_swept_and_others_are_not() {
   ASSERT_TRUE(bring(project, settings(), log, Step::kReport));
   EXPECT_TRUE(log.steps_done().empty());
   for (const char* file :
-       {"products/cloud.las.part123", "products/contours.part.gpkg", "products/contours.part.gpkg-journal",
+       {"products/cloud.copc.laz.part123", "products/contours.part.gpkg", "products/contours.part.gpkg-journal",
         "depth/a.tif.part", "depth/overview/b.tif.part", "scratch"})
     EXPECT_FALSE(fs::exists(project / file)) << file;
   EXPECT_TRUE(fs::exists(project / "download.part"));
@@ -443,7 +455,7 @@ TEST_F(WholeProject, IsMappedChangedStoppedAndContinuedAsPromised) {
   projection_centres_are_where_they_were();
   info_tells_what_is_known();
   export_writes_every_format_and_refuses_others();
-  a_compressed_cloud_gives_the_same_surface();
+  a_cloud_of_any_form_gives_the_same_surface();
   what_is_up_to_date_is_not_done_again();
   a_lost_cloud_comes_back_with_its_classes();
   a_changed_option_redoes_its_step_and_what_follows();

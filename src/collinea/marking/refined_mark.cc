@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "collinea/feature/edges.h"
+#include "collinea/feature/tags.h"
 
 namespace collinea {
 namespace {
@@ -16,8 +17,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kSearchRadii[] = {4, 6, 9, 14};                      // where candidates are looked for
-constexpr int kRadii[] = {4, 5, 6, 7, 8, 10, 12, 14, 17, 20, 24};  // in which they are measured
+constexpr int kSearchRadii[] = {3, 4, 6, 9, 14};                      // where candidates are looked for
+constexpr int kRadii[] = {3, 4, 5, 6, 7, 8, 10, 12, 14, 17, 20, 24};  // in which they are measured
 
 /// Squares of the grey values of a window about a plane, and what a target leaves of them.
 struct Fit {
@@ -35,21 +36,23 @@ Fit fit_of(const FloatImage& image, const Target& target, int radius) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Vector3d right = Vector3d::Zero();
   double squares = 0, neighbours = 0;
-  std::vector<double> residuals(std::size_t(side) * std::size_t(side));
+  std::vector<double> residuals(std::size_t(side) * std::size_t(side));  // zero of pixels that do not count
   for (int y = 0; y < side; ++y)
     for (int x = 0; x < side; ++x) {
+      const Vector2d p(left + x + 0.5, top + y + 0.5);
+      if (!counts_in_window(radius, p - target.at)) continue;
+      fit.pixels += 1;
       const double grey = image.at(left + x, top + y);
       const Vector3d row(1, x - radius, y - radius);
       normal += row * row.transpose();
       right += grey * row;
       squares += grey * grey;
       const std::size_t at = std::size_t(y) * std::size_t(side) + std::size_t(x);
-      residuals[at] = grey - target_grey(target.kind, target.unknowns, {left + x + 0.5, top + y + 0.5});
+      residuals[at] = grey - target_grey(target.kind, target.unknowns, p);
       fit.of_target += residuals[at] * residuals[at];
       if (x > 0) neighbours += residuals[at] * residuals[at - 1] / 2;
       if (y > 0) neighbours += residuals[at] * residuals[at - std::size_t(side)] / 2;
     }
-  fit.pixels = double(residuals.size());
   fit.of_plane = squares - right.dot(normal.ldlt().solve(right));
   // Residuals with the correlation c of neighbours tell as much as (1 - c) / (1 + c) of them, along each axis.
   const double c = fit.of_target > 0 ? std::clamp(neighbours / fit.of_target, 0.0, 0.9) : 0;
@@ -72,7 +75,7 @@ struct Measured {
 std::optional<Measured> measured(const FloatImage& image, const Target& target, int radius, const Vector2d& click) {
   const Fit fit = fit_of(image, target, radius);
   if (!(fit.of_plane > 0) || !((target.at - click).norm() <= kLargestMiss_px)) return std::nullopt;
-  Measured out{{target.kind, target.at, target.covariance, radius, 1 - fit.of_target / fit.of_plane},
+  Measured out{{marked_kind(target.kind), target.at, target.covariance, radius, 1 - fit.of_target / fit.of_plane},
                evidence(fit, target.unknowns.size())};
   const bool holds = out.mark.explained >= kLeastExplained && out.mark.sigma_px() <= kLargestSigma_px && out.odds > 0;
   return holds ? std::optional(out) : std::nullopt;
@@ -120,6 +123,18 @@ std::optional<Measured> best_of(const FloatImage& image, const EdgeMap& edges, T
 
 }  // namespace
 
+MarkedKind marked_kind(TargetKind kind) {
+  return kind == TargetKind::kCircle  ? MarkedKind::kCircle
+         : kind == TargetKind::kCross ? MarkedKind::kCross
+                                      : MarkedKind::kChequerboard;
+}
+
+std::optional<TargetKind> target_kind(MarkedKind kind) {
+  for (const Word<TargetKind>& word : kTargetKindWords)
+    if (marked_kind(word.value) == kind) return word.value;
+  return std::nullopt;
+}
+
 double RefinedMark::sigma_px() const {
   return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance).eigenvalues()[1]);
 }
@@ -135,6 +150,20 @@ std::optional<RefinedMark> refined_mark(const FloatImage& image, const Vector2d&
     if (one && (!best || one->odds > best->odds)) best = one;
   }
   return best ? std::optional(best->mark) : std::nullopt;
+}
+
+std::optional<RefinedMark> tag_near(const FloatImage& image, const Vector2d& click) {
+  std::optional<RefinedMark> best;
+  if (!click.allFinite()) return best;
+  for (const Tag& tag : find_tags(image, {})) {
+    const double away = (tag.at - click).norm();
+    if (away > std::max(kLargestMiss_px, 0.25 * tag.least_side_px())) continue;
+    if (tag.sigma_px() > kLargestSigma_px || (best && away >= (best->pixel - click).norm())) continue;
+    const double diagonal =
+        std::max((tag.corners[2] - tag.corners[0]).norm(), (tag.corners[3] - tag.corners[1]).norm());
+    best = RefinedMark{MarkedKind::kTag, tag.at, tag.covariance, int(std::ceil(diagonal / 2)), 0};
+  }
+  return best;
 }
 
 }  // namespace collinea

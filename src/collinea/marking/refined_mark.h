@@ -4,13 +4,26 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "collinea/base/words.h"
 #include "collinea/feature/target.h"
 
 namespace collinea {
 
+/// What a mark was refined by.
+enum class MarkedKind : std::uint8_t { kCircle, kCross, kChequerboard, kTag };
+inline constexpr Word<MarkedKind> kMarkedKindWords[] = {
+    {MarkedKind::kCircle, "circle", "a disc, brighter or darker than what is around; an ellipse in the image"},
+    {MarkedKind::kCross, "cross", "two bars that cross"},
+    {MarkedKind::kChequerboard, "chequerboard", "the corner where two dark and two bright fields meet"},
+    {MarkedKind::kTag, "tag", "a coded tag, AprilTag or ArUco"}};
+[[nodiscard]] constexpr std::span<const Word<MarkedKind>> words(MarkedKind) { return kMarkedKindWords; }
+[[nodiscard]] MarkedKind marked_kind(TargetKind kind);
+/// Nothing: a tag, which is no target of one window.
+[[nodiscard]] std::optional<TargetKind> target_kind(MarkedKind kind);
+
 /// The centre of a target near a click.
 struct RefinedMark {
-  TargetKind kind = TargetKind::kCircle;
+  MarkedKind kind = MarkedKind::kCircle;
   Eigen::Vector2d pixel;
   Eigen::Matrix2d covariance;  ///< [px^2], from the residuals of the grey values
   int radius_px = 0;           ///< of the window that was measured
@@ -35,5 +48,11 @@ inline constexpr int kRefineReach_px = 36;
 [[nodiscard]] std::optional<RefinedMark> refined_mark(const FloatImage& image, const Eigen::Vector2d& click,
                                                       std::optional<TargetKind> kind = std::nullopt);
 inline constexpr double kLeastExplained = 0.9, kLargestSigma_px = 0.15;
+
+/// The coded tag whose centre is nearest to a click, within kLargestMiss_px or a quarter of its side. Nothing: there is
+/// none, or the centre is worse than kLargestSigma_px. Its `explained` is 0, its radius half its longest diagonal.
+[[nodiscard]] std::optional<RefinedMark> tag_near(const FloatImage& image, const Eigen::Vector2d& click);
+/// How far about a click tags are looked for: half the diagonal of the largest.
+inline constexpr int kTagReach_px = 300;
 
 }  // namespace collinea

@@ -8,6 +8,7 @@
 
 #include "collinea/feature/edges.h"
 #include "collinea/feature/test_shapes.h"
+#include "collinea/feature/test_tags.h"
 
 namespace collinea {
 namespace {
@@ -57,7 +58,7 @@ Outcome outcome_of(TargetKind kind, bool kind_known) {
     ++out.trials;
     if (!mark) continue;
     ++out.found;
-    out.right_kind += mark->kind == kind;
+    out.right_kind += mark->kind == marked_kind(kind);
     const Vector2d error = mark->pixel - at;
     out.squares += error.squaredNorm() / 2;
     out.chi2 += error.dot(mark->covariance.inverse() * error) / 2;
@@ -86,6 +87,29 @@ INSTANTIATE_TEST_SUITE_P(Kinds, RefinedMarkOf,
                          testing::Values(TargetKind::kCircle, TargetKind::kCross, TargetKind::kChequerboard),
                          [](const auto& tested) { return std::string(word_of(tested.param)); });
 
+// Two by two fields of 4 px, turned, on ground of a third grey: a window of 7 px, cut round, holds nothing else.
+TEST(RefinedMark, ChequerboardsWithFieldsOfFourPixels) {
+  int found = 0;
+  double squares = 0;
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    Random random(seed, 7);
+    const Vector2d at = Vector2d::Constant(kSide / 2.0) + Vector2d(random.uniform(-1, 1), random.uniform(-1, 1));
+    const double angle = random.uniform(0, 3), away = random.uniform(0, 6), towards = random.uniform(0, 6.283);
+    const auto board = [&](const Vector2d& p) {
+      const double u = line_distance(p, at, angle), v = line_distance(p, at, angle + 1.5);
+      const double in = blurred_step(4 - std::abs(u), 0.6) * blurred_step(4 - std::abs(v), 0.6);
+      return 0.6 * (1 - in) + in * (0.5 + 0.5 * (2 * blurred_step(u, 0.6) - 1) * (2 * blurred_step(v, 0.6) - 1));
+    };
+    const FloatImage image = render_shape(kSide, kSide, board, 3, seed);
+    const auto mark = refined_mark(image, at + away * Vector2d(std::cos(towards), std::sin(towards)));
+    if (!mark || mark->kind != MarkedKind::kChequerboard) continue;
+    ++found;
+    squares += (mark->pixel - at).squaredNorm() / 2;
+  }
+  EXPECT_GE(found, 28);
+  EXPECT_LT(std::sqrt(squares / found), 0.05);
+}
+
 // Ground of several scales, with edges.
 FloatImage texture(std::uint64_t seed) {
   Random random(seed, 77);
@@ -110,6 +134,19 @@ TEST(RefinedMark, TextureIsNoTarget) {
     found += refined_mark(texture(seed), Vector2d::Constant(kSide / 2.0)).has_value();
   EXPECT_LE(found, 2);  // of 300 there was one
   RecordProperty("found", found);
+}
+
+TEST(RefinedMark, ATagIsTakenByItsCentre) {
+  const TagScene scene{
+      .family = TagFamily::kAruco4x4x250, .id = 17, .at = {81.3, 78.8}, .side_px = 70, .rotation_rad = 0.4};
+  const FloatImage image = image_of_tag(scene, 160, 160, 3);
+  const auto mark = tag_near(image, scene.at + Vector2d(12, -9));
+  ASSERT_TRUE(mark);
+  EXPECT_EQ(mark->kind, MarkedKind::kTag);
+  EXPECT_LT((mark->pixel - scene.at).norm(), 0.02);
+  EXPECT_FALSE(tag_near(image, scene.at + Vector2d(30, 0)));  // a corner of cells lies there
+  EXPECT_FALSE(tag_near(image, {std::nan(""), 3}));
+  EXPECT_FALSE(target_kind(MarkedKind::kTag));
 }
 
 TEST(RefinedMark, ThereIsNoneWithoutImage) {

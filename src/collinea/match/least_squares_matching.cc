@@ -41,7 +41,7 @@ const Points& points() {
 
 // Grey values where a window whose position lies at `position` from its middle [spacings] is put.
 bool sample(const Patch& patch, const Placement& placement, const Eigen::Vector2d& position, double spacing_px,
-            float* out) {
+            const float* u, const float* v, float* out) {
   const Eigen::Matrix2d step = placement.warp * (spacing_px / patch.pixel_px);
   const Eigen::Vector2d middle =
       (placement.position_px - patch.corner_px) / patch.pixel_px - Eigen::Vector2d(0.5, 0.5) - step * position;
@@ -49,7 +49,7 @@ bool sample(const Patch& patch, const Placement& placement, const Eigen::Vector2
   return sample_window({patch.grey.data(), Patch::kSize},
                        {static_cast<float>(middle.x()), static_cast<float>(middle.y()), static_cast<float>(step(0, 0)),
                         static_cast<float>(step(0, 1)), static_cast<float>(step(1, 0)), static_cast<float>(step(1, 1))},
-                       points().u.data(), points().v.data(), out);
+                       u, v, out);
 }
 
 double weighted_mean(const std::array<float, kWindowFloats>& values) {
@@ -179,14 +179,28 @@ std::optional<ReferenceWindow> ReferenceWindow::of(const Patch& patch, const Eig
   return window;
 }
 
-std::optional<LeastSquaresMatch> ReferenceWindow::find(const Patch& other, const Placement& start,
-                                                       double farthest_px) const {
+ReferenceWindow::BentPoints ReferenceWindow::bent(const WindowBend& bend) const {
+  BentPoints out{points().u, points().v};
+  if (bend.by_squares.isZero(0)) return out;
+  const Eigen::Matrix<double, 2, 3> by_spacings = spacing_px_ * bend.by_squares;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    const double x = out.u[i] - position_.x(), y = out.v[i] - position_.y();
+    const Eigen::Vector2d more = by_spacings * Eigen::Vector3d(x * x, x * y, y * y);
+    out.u[i] += static_cast<float>(more.x());
+    out.v[i] += static_cast<float>(more.y());
+  }
+  return out;
+}
+
+std::optional<LeastSquaresMatch> ReferenceWindow::find(const Patch& other, const Placement& start, double farthest_px,
+                                                       const WindowBend& bend) const {
   const Points& p = points();
+  const BentPoints at = bent(bend);
   Placement now = start;
   const Eigen::Matrix2d first_inverse = start.warp.inverse();
   Values seen, left_over;
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
-    if (!sample(other, now, position_, spacing_px_, seen.data())) return std::nullopt;
+    if (!sample(other, now, position_, spacing_px_, at.u.data(), at.v.data(), seen.data())) return std::nullopt;
     const double mean = weighted_mean(seen);
     double square = 0, common = 0;
     for (std::size_t i = 0; i < kPoints; ++i) {
@@ -219,7 +233,7 @@ std::optional<LeastSquaresMatch> ReferenceWindow::find(const Patch& other, const
     if (!((now.position_px - start.position_px).norm() <= farthest_px)) return std::nullopt;
     if (!((first_inverse * now.warp - Eigen::Matrix2d::Identity()).norm() <= kLargestChange)) return std::nullopt;
     if (step.head<2>().norm() > kSettled) continue;
-    // A sigma as if the residuals were white: too small (covariance_px2), but what is refused was settled with it.
+    // A sigma as if the residuals were white: too small (covariance()), but what is refused was settled with it.
     const Eigen::Matrix2d cofactor = cofactor_ * (squares_left / redundancy_);
     if (correlation < kLeastCorrelation || largest_eigenvalue(cofactor) > kLargestSigma * kLargestSigma)
       return std::nullopt;
@@ -231,9 +245,10 @@ std::optional<LeastSquaresMatch> ReferenceWindow::find(const Patch& other, const
 // N is J'W J of the noisy slopes: too large by their noise, the step that a change of the other image makes is
 // M^-1 J'W of it, M = N less that noise. J'W r is a linear form of the pixels, those of the other image through the
 // weights of the interpolation.
-std::optional<Eigen::Matrix2d> ReferenceWindow::covariance_px2(const Patch& other,
-                                                               const LeastSquaresMatch& match) const {
+std::optional<MatchCovariance> ReferenceWindow::covariance(const Patch& other, const LeastSquaresMatch& match,
+                                                           const WindowBend& bend) const {
   const Points& p = points();
+  const BentPoints bent_to = bent(bend);
   const Eigen::Matrix2d step = match.placement.warp * (spacing_px_ / other.pixel_px);
   const Eigen::Vector2d middle =
       (match.placement.position_px - other.corner_px) / other.pixel_px - Eigen::Vector2d(0.5, 0.5) - step * position_;
@@ -242,7 +257,7 @@ std::optional<Eigen::Matrix2d> ReferenceWindow::covariance_px2(const Patch& othe
   const Eigen::Matrix<double, kUnknowns, kUnknowns> lost = inverse_ * twice_weighted_;
   double expected = p.weights - lost.trace();
   const auto weights_of = [&](std::size_t i, std::array<double, 4>& across, std::array<double, 4>& down) {
-    const Eigen::Vector2d at = middle + step * Eigen::Vector2d(p.u[i], p.v[i]);
+    const Eigen::Vector2d at = middle + step * Eigen::Vector2d(bent_to.u[i], bent_to.v[i]);
     const Eigen::Vector2d low = at.array().floor();
     across = cubic_weights(at.x() - low.x());
     down = cubic_weights(at.y() - low.y());
@@ -270,9 +285,12 @@ std::optional<Eigen::Matrix2d> ReferenceWindow::covariance_px2(const Patch& othe
   const Eigen::LDLT<Matrix8d> solver(without_noise);
   if (solver.info() != Eigen::Success || !(solver.vectorD().minCoeff() > 0)) return std::nullopt;
   const Eigen::Matrix<double, kUnknowns, 2> rows = solver.solve(Matrix8d::Identity()).leftCols<2>();
-  const Eigen::Matrix2d cofactor = rows.transpose() * (of_other + twice_weighted_) * rows;
-  const Eigen::Matrix2d px_from_spacings = match.placement.warp * spacing_px_;
-  return Eigen::Matrix2d(variance * px_from_spacings * cofactor * px_from_spacings.transpose());
+  const auto of_position = [&](const Matrix8d& noise, const Eigen::Matrix2d& px_from_spacings) {
+    return Eigen::Matrix2d(variance * px_from_spacings * rows.transpose() * noise * rows *
+                           px_from_spacings.transpose());
+  };
+  return MatchCovariance{of_position(of_other, match.placement.warp * spacing_px_),
+                         of_position(twice_weighted_, spacing_px_ * Eigen::Matrix2d::Identity()), match.placement.warp};
 }
 
 }  // namespace collinea

@@ -31,11 +31,31 @@ struct Placement {
   Eigen::Matrix2d warp;
 };
 
+/// What perspective and lens add to the affine map of a window: an offset (x, y) [px] of the reference is seen where
+/// the map has (x, y) + by_squares (x x, x y, y y).
+struct WindowBend {
+  Eigen::Matrix<double, 2, 3> by_squares = Eigen::Matrix<double, 2, 3>::Zero();  ///< [1/px]
+};
+
 struct LeastSquaresMatch {
   Placement placement;
   double correlation = 0;   ///< of the grey values
   double gain = 1;          ///< of the other image against the reference
   double squares_left = 0;  ///< weighted sum of squared residuals, in grey values of the reference
+};
+
+/// The covariance of a position found, for white noise of equal size in the pixels of both images, as the residuals
+/// show it: what interpolation makes of it is followed exactly, and what noise adds to the squares of the slopes is
+/// taken off. The noise of the reference is that of one position there, the same for all other images.
+struct MatchCovariance {
+  Eigen::Matrix2d of_other_px2;      ///< by the noise of the other image
+  Eigen::Matrix2d of_reference_px2;  ///< by that of the reference, in its pixels
+  Eigen::Matrix2d warp;
+
+  /// Of the position in the other image, relative to the reference.
+  [[nodiscard]] Eigen::Matrix2d relative_px2() const {
+    return of_other_px2 + warp * of_reference_px2 * warp.transpose();
+  }
 };
 
 /// A window of a reference image that is looked for in others by least squares matching (Ackermann 1984; Gruen 1985):
@@ -51,16 +71,22 @@ class ReferenceWindow {
   /// The window in another image, from a position good to a few pixels of the reference's patch. Nothing when this does
   /// not converge, leaves the patch, moves by more than farthest_px or changes the map by more than a half, correlates
   /// by less than 0.8, or when the standard deviation of the position is more than a quarter of such a pixel.
-  [[nodiscard]] std::optional<LeastSquaresMatch> find(const Patch& other, const Placement& start,
-                                                      double farthest_px) const;
+  [[nodiscard]] std::optional<LeastSquaresMatch> find(const Patch& other, const Placement& start, double farthest_px,
+                                                      const WindowBend& bend = {}) const;
 
-  /// Covariance of the position found [px2], relative to the reference, for white noise of equal size in the pixels of
-  /// both images, as the residuals show it: what interpolation makes of it is followed exactly, and what noise adds to
-  /// the squares of the slopes is taken off. Costs about as much as finding it. Nothing where noise is all there is.
-  [[nodiscard]] std::optional<Eigen::Matrix2d> covariance_px2(const Patch& other, const LeastSquaresMatch& match) const;
+  /// How well the position found is known. Costs about as much as finding it. Nothing where noise is all there is.
+  [[nodiscard]] std::optional<MatchCovariance> covariance(const Patch& other, const LeastSquaresMatch& match,
+                                                          const WindowBend& bend = {}) const;
+
+  /// Half the side of the window.
+  [[nodiscard]] double reach_px() const { return kWindow / 2.0 * spacing_px_; }
 
  private:
   using Values = std::array<float, kWindowFloats>;
+  struct BentPoints {
+    Values u, v;
+  };
+  [[nodiscard]] BentPoints bent(const WindowBend& bend) const;
   using Matrix8d = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
   double spacing_px_ = 1;                                    // between neighbouring points

@@ -144,10 +144,10 @@ TEST(LeastSquaresMatching, CovarianceMatchesTheRealErrors) {
         const GreyImage other = noisy(moved, noise_grey, 1000 * t + 2 * trial + 1);
         const auto found = found_in(other, *window, {kMiddle, Matrix2d::Identity()});
         if (!found) continue;
-        const auto covariance = window->covariance_px2(*cut_patch(other, 1, kMiddle), *found);
+        const auto covariance = window->covariance(*cut_patch(other, 1, kMiddle), *found);
         ASSERT_TRUE(covariance);
         const Vector2d error = found->placement.position_px - truth;
-        sum += error.dot(covariance->inverse() * error);
+        sum += error.dot(covariance->relative_px2().inverse() * error);
         ++count;
       }
     }

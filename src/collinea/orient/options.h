@@ -60,8 +60,8 @@ struct OrientOptions {
     visit(Field{"use_control", &O::use_control, "", "use control points as observations"});
     visit(Field{"use_geodetic", &O::use_geodetic, "", "use what was measured between control points as observations"});
     visit(Field{"remeasure", &O::remeasure, "",
-                "measure the tie points in the images once more, by least squares matching: smaller "
-                "errors on rendered images, little change on photographs; sigmas come out too small"});
+                "measure tie points whose windows share no pixels once more, by least squares matching: "
+                "smaller errors on rendered images, little change on photographs"});
     visit(Field{"orientation", &O::orientation, "",
                 "take cameras and poses from another program: folder of a COLMAP model, Bundler's folder or "
                 "bundle.out, or a table of omega, phi, kappa"}

@@ -67,8 +67,12 @@ void add_parameters(Reconstruction& part, const OrientOptions& options, SettledP
 
 Result<> measure_again(Reconstruction& part, const Sources& sources, const Run& run) {
   const Block measured = part.block();
-  COLLINEA_TRY(const auto positions_px, remeasure(measured, sources.keypoints, sources.images, run));
-  part.move_rays(measured, positions_px);
+  COLLINEA_TRY(auto positions, remeasure(measured, sources.keypoints, sources.images, run));
+  keep_apart(measured, positions);
+  std::vector<std::optional<Reconstruction::MovedRay>> moved;
+  for (const auto& one : positions)
+    moved.push_back(one ? std::optional(Reconstruction::MovedRay{one->pixel, one->sigma_px()}) : std::nullopt);
+  part.move_rays(measured, moved);
   return {};
 }
 
@@ -77,6 +81,7 @@ Result<> measure_again(Reconstruction& part, const Sources& sources, const Run& 
 void take_sigma(Reconstruction& part, double sigma0) {
   TieNoise noise = part.noise();
   noise.sigma_px *= sigma0;
+  noise.anew_factor *= sigma0;
   noise.loss_scale_sigmas /= std::max(sigma0, kLeastSigma0);
   part.set_noise(noise);
 }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
 #include "collinea/epipolar/p3p.h"
+#include "collinea/geometry/circle_fit.h"
 #include "collinea/geometry/plane.h"
-#include "collinea/math/random.h"
+#include "collinea/math/least_median.h"
 #include "collinea/orient/space_resection.h"
 
 namespace collinea {
@@ -38,23 +38,6 @@ bool squared_errors(const Rigid3& pose, double focal, std::span<const Vector2d> 
   return true;
 }
 
-// Calls visit with all triples below n, or with `most` drawn ones.
-template <class Visit>
-void for_triples(std::size_t n, std::size_t most, std::uint64_t seed, const Visit& visit) {
-  if (n * (n - 1) * (n - 2) / 6 <= most) {
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = i + 1; j < n; ++j)
-        for (std::size_t k = j + 1; k < n; ++k) visit({i, j, k});
-    return;
-  }
-  Random random(seed);
-  const auto below = static_cast<std::uint32_t>(n);
-  for (std::size_t trial = 0; trial < most; ++trial) {
-    const std::array<std::size_t, 3> t{random.below(below), random.below(below), random.below(below)};
-    if (t[0] != t[1] && t[1] != t[2] && t[0] != t[2]) visit(t);
-  }
-}
-
 }  // namespace
 
 std::vector<PoseStart> pose_starts(const Camera& camera, std::span<const Vector2d> pixels,
@@ -64,8 +47,7 @@ std::vector<PoseStart> pose_starts(const Camera& camera, std::span<const Vector2
   std::vector<Vector2d> xy;
   for (const Vector2d& pixel : pixels) xy.push_back(normalized(camera, pixel));
   const double focal = pixels_per_unit(camera, xy[0]);
-  // The h-th smallest of n errors: half of them and half of a sample more (Rousseeuw and Leroy 1987).
-  const std::size_t n = xy.size(), rank = std::min(n, n / 2 + 2) - 1;
+  const std::size_t n = xy.size(), rank = median_rank(n, 3) - 1;
   struct Candidate {
     Rigid3 pose;
     double criterion;
@@ -73,7 +55,8 @@ std::vector<PoseStart> pose_starts(const Camera& camera, std::span<const Vector2
   // The best ones, of three points all: a pose that will not be among them is left as soon as its errors tell.
   std::vector<Candidate> best;
   std::vector<double> errors;
-  for_triples(n, most, seed, [&](const std::array<std::size_t, 3>& triple) {
+  for_triples(n, most, seed, [&](std::size_t i, std::size_t j, std::size_t l) {
+    const std::array<std::size_t, 3> triple{i, j, l};
     std::array<Vector3d, 3> rays, points;
     for (std::size_t k = 0; k < 3; ++k) {
       rays[k] = Vector3d(xy[triple[k]].x(), xy[triple[k]].y(), 1).normalized();
@@ -94,7 +77,7 @@ std::vector<PoseStart> pose_starts(const Camera& camera, std::span<const Vector2
   });
   std::vector<PoseStart> starts;
   for (const Candidate& candidate : best) {
-    const double scale = n > 3 ? 0.8493 * (1 + 5 / std::max(1.0, double(n) - 3)) * std::sqrt(candidate.criterion) : 0;
+    const double scale = n > 3 ? robust_sigma(std::sqrt(candidate.criterion), n, 3, 2) : 0;
     starts.push_back({candidate.pose, scale});
   }
   return starts;
@@ -105,28 +88,20 @@ std::optional<DangerCylinder> danger_cylinder(std::span<const Vector3d> points_i
   const auto plane = fit_plane(points_in_world);
   if (!plane) return std::nullopt;
   const FramedPlane frame = framed_plane(plane->middle, plane->normal);
-  // Circle x^2 + y^2 = 2 a x + 2 b y + c by least squares.
-  Matrix3d normal = Matrix3d::Zero();
-  Vector3d right = Vector3d::Zero();
-  for (const Vector3d& point : points_in_world) {
-    const Vector2d p = frame.in_plane(point).head<2>();
-    const Vector3d row(2 * p.x(), 2 * p.y(), 1);
-    normal += row * row.transpose();
-    right += row * p.squaredNorm();
-  }
-  const Vector3d circle = normal.ldlt().solve(right);
-  const double radius = std::sqrt(circle.z() + circle.head<2>().squaredNorm());
-  if (!std::isfinite(radius)) return std::nullopt;
+  std::vector<Vector2d> in_plane;
+  for (const Vector3d& point : points_in_world) in_plane.push_back(frame.in_plane(point).head<2>());
+  const auto circle = algebraic_circle(in_plane);
+  if (!circle) return std::nullopt;
   double squares = 0;
   for (const Vector3d& point : points_in_world) {
     const Vector3d p = frame.in_plane(point);
-    const double off = (p.head<2>() - circle.head<2>()).norm() - radius;
+    const double off = (p.head<2>() - circle->centre).norm() - circle->radius;
     squares += off * off + p.z() * p.z();
   }
-  const Vector2d centre = frame.in_plane(centre_in_world).head<2>() - circle.head<2>();
-  return DangerCylinder{radius, std::sqrt(squares / double(points_in_world.size())), centre.norm() - radius,
-                        frame.origin_in_world + frame.world_from_plane.leftCols<2>() * circle.head<2>(),
-                        frame.world_from_plane.col(2)};
+  const Vector2d centre = frame.in_plane(centre_in_world).head<2>() - circle->centre;
+  return DangerCylinder{
+      circle->radius, std::sqrt(squares / double(points_in_world.size())), centre.norm() - circle->radius,
+      frame.origin_in_world + frame.world_from_plane.leftCols<2>() * circle->centre, frame.world_from_plane.col(2)};
 }
 
 }  // namespace collinea

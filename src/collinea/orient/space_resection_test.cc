@@ -105,12 +105,12 @@ Trial trials(int seeds, int count, double sigma_m, int images, int ties, double 
 }
 
 // 400 seeds: the mean of chi2/6 has a standard deviation of 0.029.
-// All triples of points on a circle have one danger cylinder; stations within, on its axis and outside are none the
-// worse determined. Coordinates of a map: the cost stops falling where their last digits do.
+// All triples of points on a circle have one danger cylinder; stations on it, within, on its axis and outside are none
+// the worse determined. Coordinates of a map: the cost stops falling where their last digits do.
 TEST(SpaceResection, PointsOnACircleGiveTheTruthFromAnyStation) {
   const Camera camera = ideal_camera(4000, 4000, 3000);
   const Vector3d middle(512'345.5, 5'203'456.25, 130);
-  for (const double distance : {0.0, 40.0, 100.0, 200.0, 270.0, 335.0, 450.0, 600.0})
+  for (const double distance : {0.0, 40.0, 100.0, 200.0, 270.0, 299.99, 300.0, 335.0, 450.0, 600.0})
     for (int turn = 0; turn < 12; ++turn) {
       const double at = 0.5 * turn;
       const Rigid3 level{cam_from_world({0.02 * turn, -0.05, at}), {0, 0, 0}};

@@ -18,6 +18,7 @@
 #include "collinea/report/report_options.h"
 #include "collinea/surface/dsm.h"
 #include "collinea/surface/dtm.h"
+#include "collinea/surface/frames_options.h"
 
 namespace collinea {
 
@@ -36,6 +37,7 @@ struct Settings {
   DsmOptions surface;
   DtmOptions terrain;
   OrthoOptions ortho;
+  FramesOptions frames;
   ReportOptions report;
 
   /// Calls visit(name of the step, name of the group, options) for every group of options: the only list of them.
@@ -52,6 +54,7 @@ struct Settings {
     visit("surface", "surface", self.surface);
     visit("terrain", "terrain", self.terrain);
     visit("ortho", "ortho", self.ortho);
+    visit("frames", "frames", self.frames);
     visit("report", "report", self.report);
   }
 };

@@ -108,7 +108,7 @@ TEST(Settings, AnOlderProjectIsRead) {
       "pairs": {"pairs": "all"},
       "orient": {"mode": "global", "calibration": "auto", "additional": "ebner", "orientation": "/m"},
       "instruments": {"position_shift": "strips", "lever_arm": null},
-      "densify": {"resolution": "half", "cloud": "copc"},
+      "densify": {"resolution": "half", "cloud": "laz"},
       "ortho": {"seamlines": ""}}})"));
   const auto settings = read_settings(folder / "");
   ASSERT_TRUE(settings) << settings.error().message;
@@ -121,7 +121,7 @@ TEST(Settings, AnOlderProjectIsRead) {
   EXPECT_EQ(settings->orient.orientation, std::filesystem::path("/m"));
   EXPECT_EQ(settings->orient.instruments.position_shift, PositionShift::kStrips);
   EXPECT_EQ(settings->densify.resolution, Resolution::kHalf);
-  EXPECT_EQ(settings->densify.cloud, LasForm::kCopc);
+  EXPECT_EQ(settings->densify.cloud, LasForm::kLaz);
   EXPECT_FALSE(settings->ortho.seamlines);
 }
 

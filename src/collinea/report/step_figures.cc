@@ -19,7 +19,7 @@ using json = nlohmann::ordered_json;
 
 // Members of records that have a row for each image, point or camera.
 constexpr std::array<std::string_view, 7> kTables = {
-    "control", "positions", "geodetic", "height_precision", "centre_sigma_m", "rotation_sigma_rad", "calibration"};
+    "control", "positions", "geodetic", "position_precision", "centre_sigma_m", "rotation_sigma_rad", "calibration"};
 
 std::string name_of(ImageId image, const Block& block) {
   const auto found = block.images.find(image);

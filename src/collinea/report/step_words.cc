@@ -82,6 +82,16 @@ std::string words(const OrthoRecord& r) {
       follows);
 }
 
+std::string words(const FramesRecord& r) {
+  if (!r.looked_for) return "the map shows it all";
+  if (r.frames.empty()) return "no plane that two images see from the front";
+  std::string text = counted(r.frames.size(), "plane");
+  for (const FrameRecord& frame : r.frames)
+    text += fmt::format("{} {} {:.1f} x {:.1f} m", &frame == &r.frames.front() ? ":" : ",", frame.name, frame.width_m,
+                        frame.height_m);
+  return text;
+}
+
 std::string words(const ReportRecord& r) { return r.file; }
 
 }  // namespace

@@ -133,6 +133,56 @@ TEST_F(EditRoutes, ManyClientsEditInOneOrder) {
   EXPECT_EQ(*all.rbegin(), kClients * kEdits);
 }
 
+// Of every kind, in an order of chance: what the page reads and the fingerprint of the setup are as before when all is
+// undone, and as after when all is redone, also where the server or the browser began anew in between.
+TEST_F(EditRoutes, TwoHundredOfAllKindsAreUndoneAndRedoneAlsoAfterARestart) {
+  const auto state = [&] {
+    std::string text = std::to_string(ProjectStore::open_to_read(village())->setup_hash().value());
+    for (const char* what : {"/control", "/work", "/drawing", "/cloud"}) {
+      const Answer answer = fetch(project() + what);
+      EXPECT_EQ(answer.status, 200) << what << answer.body;
+      text += answer.body;
+    }
+    return text;
+  };
+  const auto repeat = [&](const char* word, int times) {
+    for (int i = 0; i < times; ++i) ASSERT_EQ(edit({word}).status, 200) << word << i;
+  };
+  const auto restart = [&] {
+    stop();
+    start({});
+  };
+  Random random(5);
+  std::set<std::string> kinds;
+  const std::string before = state();
+  std::string half;
+  for (int made = 0; made < 200;) {
+    const auto words = random.below(2) == 0 ? any_command(random) : any_work(random);
+    if (edit(words).status != 200) continue;
+    kinds.insert(words[0]);
+    if (++made == 100) half = state();
+  }
+  EXPECT_EQ(kinds.size(), std::variant_size_v<Edit> - 2) << "all but undo and redo";
+  const std::string after = state();
+  repeat("undo", 100);
+  EXPECT_EQ(state(), half);
+  restart();
+  EXPECT_EQ(state(), half);
+  repeat("undo", 100);
+  EXPECT_EQ(state(), before);
+  EXPECT_EQ(edit({"undo"}).status, 400);
+  restart();
+  EXPECT_EQ(state(), before);
+  repeat("redo", 100);
+  EXPECT_EQ(state(), half);
+  restart();
+  repeat("redo", 100);
+  EXPECT_EQ(state(), after);
+  EXPECT_EQ(edit({"redo"}).status, 400);
+  restart();
+  EXPECT_EQ(state(), after);
+}
+
 // RFC 6455, 1.3.
 constexpr const char* kUpgrade =
     "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"

@@ -116,7 +116,7 @@ Result<ControlId> point_named(const ProjectView& view, const std::string& name) 
 struct RefineRequest {
   ImageId image;
   Vector2d pixel;
-  std::optional<TargetKind> kind;
+  std::optional<MarkedKind> kind;
 };
 
 Result<RefineRequest> refine_request_in(std::string_view body) {
@@ -128,9 +128,8 @@ Result<RefineRequest> refine_request_in(std::string_view body) {
     if (!request.pixel.allFinite()) return fail(Errc::kBadInput, "pixel: two numbers, column and row");
     const std::string kind = asked.value("kind", "auto");
     if (kind == "auto") return request;
-    for (const Word<TargetKind>& word : kTargetKindWords)
-      if (word.word == kind) request.kind = word.value;
-    if (!request.kind) return fail(Errc::kBadInput, "kind: it is auto, circle, cross or chequerboard");
+    request.kind = from_word<MarkedKind>(kind);
+    if (!request.kind) return fail(Errc::kBadInput, "kind: it is auto, circle, cross, chequerboard or tag");
     return request;
   } catch (const std::exception& error) {
     return fail(Errc::kBadInput, error.what());

@@ -106,7 +106,7 @@ Result<TieView> read_ties(const Project& project, const Block& block, const Prod
   return ties;
 }
 
-// Both cloud files at once: LAS in the map, PLY in the world frame.
+// The cloud in the map and, where it is asked for, as PLY in the world frame, both at once.
 class CloudFiles {
  public:
   static Result<CloudFiles> create(const Project& project, const Extent& of_ties, const ProductFrame& product_frame) {
@@ -118,11 +118,15 @@ class CloudFiles {
     las.form = project.settings.densify.cloud;
     las.run = project.run;
     // A new cloud has no classes: the step that writes them must not count as done.
-    for (const char* earlier : {"cloud.las", "cloud.laz", "cloud.copc.laz", "dtm.tif"})
+    for (const char* earlier : {"cloud.las", "cloud.laz", "cloud.copc.laz", "cloud.ply", "dtm.tif"})
       COLLINEA_TRY(remove_file(products / earlier));
     COLLINEA_TRY(LasWriter las_writer, LasWriter::create(project.cloud(), las));
-    COLLINEA_TRY(PlyWriter ply_writer, PlyWriter::create(products / "cloud.ply", kLocalCloudComment));
-    return CloudFiles(std::move(las_writer), std::move(ply_writer), product_frame);
+    CloudFiles files(std::move(las_writer), product_frame);
+    if (project.settings.densify.ply) {
+      COLLINEA_TRY(PlyWriter ply_writer, PlyWriter::create(products / "cloud.ply", kLocalCloudComment));
+      files.ply_.emplace(std::move(ply_writer));
+    }
+    return files;
   }
 
   Result<> write(std::span<const FusedPoint> points) {
@@ -132,22 +136,21 @@ class CloudFiles {
       on_map.push_back(point.position_in_world);
       cloud.push_back({point.position_in_world, point.normal_in_world, point.colour, point.sigma, point.images, 0});
     }
-    ply_.write(cloud);
+    if (ply_) ply_->write(cloud);
     if (positions_.frame) positions_.frame->map_from_local(on_map);
     for (std::size_t i = 0; i < cloud.size(); ++i) cloud[i].position = on_map[i];
     return las_.write(cloud);
   }
 
   Result<> finish() {
-    COLLINEA_TRY(ply_.finish());
+    if (ply_) COLLINEA_TRY(ply_->finish());
     return las_.finish();
   }
 
  private:
-  CloudFiles(LasWriter las, PlyWriter ply, const ProductFrame& product_frame)
-      : las_(std::move(las)), ply_(std::move(ply)), positions_(product_frame) {}
+  CloudFiles(LasWriter las, const ProductFrame& product_frame) : las_(std::move(las)), positions_(product_frame) {}
   LasWriter las_;
-  PlyWriter ply_;
+  std::optional<PlyWriter> ply_;
   const ProductFrame& positions_;
 };
 

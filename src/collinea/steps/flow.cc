@@ -15,6 +15,7 @@
 #include "collinea/report/signed_files.h"
 #include "collinea/report/step_words.h"
 #include "collinea/steps/internal/edited_record.h"
+#include "collinea/steps/internal/frame_list.h"
 
 namespace collinea {
 namespace {
@@ -32,11 +33,16 @@ struct StepRow {
   bool reads_sources = false;         ///< what import was given, with the remarks on it
   bool reads_masks = false;           ///< of photographs
   bool reads_patches = false;         ///< of the orthophoto
+  bool reads_points = false;          ///< which of the cloud people left
+  bool reads_classes = false;         ///< that people gave the cloud
+
+  [[nodiscard]] bool reads_work() const { return reads_masks || reads_patches || reads_points || reads_classes; }
 
   [[nodiscard]] std::string_view name() const { return word_of(step); }
 };
 
 constexpr const char* kCloud = "products/cloud.*";  // in the form asked for
+constexpr const char* kPly = "products/cloud.ply";  // where it is asked for
 
 // The only place that knows the order of work.
 const std::array<StepRow, std::size(kStepWords)>& steps() {
@@ -49,28 +55,36 @@ const std::array<StepRow, std::size(kStepWords)>& steps() {
       {.step = Step::kDensify,
        .work = densify_step,
        .reads = {Step::kAdjust},
-       .products = {kCloud, "products/cloud.ply"},
+       .products = {kCloud, kPly},
        .reads_masks = true},
-      {Step::kSurface,
-       surface_step,
-       {Step::kAdjust, Step::kDensify},
-       {"products/dsm.tif", "products/dsm_sigma.tif", "products/dsm_state.tif", "products/dsm_count.tif",
-        "products/dsm_sigma_relative.tif", "products/dsm_hillshade.tif"}},
-      {Step::kTerrain,
-       terrain_step,
-       {Step::kAdjust, Step::kSurface},
-       {"products/dtm.tif", "products/dtm_sigma.tif", "products/dtm_state.tif", "products/dtm_sigma_relative.tif",
-        "products/dtm_hillshade.tif"}},
+      {.step = Step::kSurface,
+       .work = surface_step,
+       .reads = {Step::kAdjust, Step::kDensify},
+       .products = {"products/dsm.tif", "products/dsm_sigma.tif", "products/dsm_state.tif", "products/dsm_count.tif",
+                    "products/dsm_sigma_relative.tif", "products/dsm_hillshade.tif"},
+       .reads_points = true},
+      {.step = Step::kTerrain,
+       .work = terrain_step,
+       .reads = {Step::kAdjust, Step::kSurface},
+       .products = {"products/dtm.tif", "products/dtm_sigma.tif", "products/dtm_state.tif",
+                    "products/dtm_sigma_relative.tif", "products/dtm_hillshade.tif"},
+       .reads_classes = true},
       {.step = Step::kOrtho,
        .work = ortho_step,
        .reads = {Step::kAdjust, Step::kSurface, Step::kTerrain},
        .products = {"products/ortho.tif", "products/ortho_source.tif", "products/seamlines.gpkg"},
        .reads_masks = true,
        .reads_patches = true},
+      {.step = Step::kFrames,
+       .work = frames_step,
+       .reads = {Step::kAdjust, Step::kDensify},
+       .products = {},
+       .reads_masks = true,
+       .reads_points = true},
       {Step::kReport,
        report_step,
        {Step::kImport, Step::kDetect, Step::kMatch, Step::kOrient, Step::kAdjust, Step::kDensify, Step::kSurface,
-        Step::kTerrain, Step::kOrtho},
+        Step::kTerrain, Step::kOrtho, Step::kFrames},
        {"report/report.html", kHashesFile},
        /*reads_setup=*/true,
        /*reads_sources=*/true},
@@ -81,10 +95,12 @@ const std::array<StepRow, std::size(kStepWords)>& steps() {
 // What a step reads of people's work beside control; empty: nothing.
 Result<std::string> work_text(const Project& project, const StepRow& step) {
   std::string text;
-  if (!step.reads_masks && !step.reads_patches) return text;
+  if (!step.reads_work()) return text;
   COLLINEA_TRY(const EditedWork work, read_work(project));
   if (step.reads_masks) text += masks_of(work).text();
   if (step.reads_patches) text += patches_text(work);
+  if (step.reads_points) text += text_of(regions_of_surface(work.regions));
+  if (step.reads_classes) text += text_of(regions_of_classes(work.regions));
   return text;
 }
 
@@ -96,6 +112,8 @@ Result<std::string> inputs_hash_of(const Project& project, const StepRow& step) 
     hash.add(fingerprint_of_orientation(*given));
   if (const auto& given = project.settings.ortho.seamlines; given && step.step == Step::kOrtho)
     hash.add(std::uint64_t{hash_of_file(*given).value_or(0)});
+  if (const auto* planes = project.settings.frames.frames.get<fs::path>(); planes && step.step == Step::kFrames)
+    hash.add(std::uint64_t{hash_of_file(*planes).value_or(0)});
   for (const Step earlier : step.reads) {
     COLLINEA_TRY(const auto record, project.store.read_step(std::string(word_of(earlier))));
     COLLINEA_CHECK(record.has_value());
@@ -117,8 +135,14 @@ fs::path product_path(const Project& project, const char* product) {
 
 bool products_exist(const Project& project, const StepRow& step, const StepRecord& record) {
   if (skipped_because(record.outcome)) return true;  // it left no product
-  for (const char* product : step.products)
+  if (const auto* made = std::get_if<FramesRecord>(&record.outcome))
+    return std::ranges::all_of(made->frames, [&](const FrameRecord& frame) {
+      return is_there(frames_folder(project.folder) / frame.name / "ortho.tif");
+    });
+  for (const char* product : step.products) {
+    if (product == kPly && !project.settings.densify.ply) continue;
     if (!is_there(product_path(project, product))) return false;
+  }
   return true;
 }
 
@@ -146,7 +170,7 @@ bool is_of(const Edit& edit) {
 // Edits that came while a step was at work may have been seen by it, or not: it counts as made of other inputs, and as
 // another result for the steps behind it, also where they were undone since.
 Result<bool> was_edited(const Project& project, const StepRow& step, std::uint64_t last_edit) {
-  if (!step.reads_setup && !step.reads_masks && !step.reads_patches) return false;
+  if (!step.reads_setup && !step.reads_work()) return false;
   Journal journal(project.folder);
   COLLINEA_TRY(journal.refresh());
   for (const EditEntry& entry : journal.history().entries()) {
@@ -155,6 +179,8 @@ Result<bool> was_edited(const Project& project, const StepRow& step, std::uint64
     if (step.reads_setup && !point_of(edit).empty()) return true;
     if (step.reads_masks && is_of<MaskImage, UnmaskImage>(edit)) return true;
     if (step.reads_patches && is_of<PatchSeams, UnpatchSeams>(edit)) return true;
+    if (step.reads_points && is_of<ClassifyCloud, CutCloud, CropCloud>(edit)) return true;
+    if (step.reads_classes && is_of<ClassifyCloud>(edit)) return true;
   }
   return false;
 }

@@ -9,6 +9,7 @@
 #include "collinea/radiometry/view.h"
 #include "collinea/raster/image_file.h"
 #include "collinea/steps/internal/kept_orthophoto_file.h"
+#include "collinea/steps/internal/product_records.h"
 #include "collinea/steps/step.h"
 
 namespace collinea {
@@ -26,18 +27,8 @@ Result<> keep_seamlines(const Project& project, const Block& block, const OrthoS
 }
 
 OrthoRecord record_of(const Project& project, const OrthoSummary& summary, const std::vector<SeamPolygon>& given) {
-  OrthoRecord record{.cell_m = summary.grid.cell_m,
-                     .width = summary.grid.width,
-                     .height = summary.grid.height,
-                     .painted_cells = summary.painted_cells,
-                     .empty_cells = summary.empty_cells,
-                     .images_used = summary.images_used,
-                     .seam_length_m = summary.seam_length_m,
-                     .seam_difference_grey = summary.seam_difference_grey,
-                     .seam_step_grey = summary.seam_step_grey,
-                     .sources = summary.sources};
+  OrthoRecord record = ortho_record(summary);
   if (const auto& file = project.settings.ortho.seamlines) record.seamlines = GivenSeamlines{*file, given.size()};
-  for (const auto& [source, cells] : summary.not_followed) record.cells_not_followed[summary.sources[source]] = cells;
   return record;
 }
 

@@ -4,6 +4,7 @@
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/report/report.h"
 #include "collinea/steps/internal/files_to_sign.h"
+#include "collinea/steps/internal/frame_list.h"
 #include "collinea/steps/step.h"
 
 namespace collinea {
@@ -52,6 +53,7 @@ void add_products(const Project& project, ReportInput& input) {
     if (!missing) input.products.push_back({product, bytes});
   }
   if (outcome_in<SurfaceRecord>(input.steps).cell_m > 0) input.dsm = project.folder / path_of(ProductFile::kSurface);
+  input.frames = frames_folder(project.folder);
   if (outcome_in<OrthoRecord>(input.steps).cell_m > 0) input.ortho = project.folder / path_of(ProductFile::kOrthophoto);
 }
 

@@ -24,6 +24,7 @@ Result<StepOutput> densify_step(Project& project, const std::string& inputs_hash
 Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash);
 Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash);
 Result<StepOutput> ortho_step(Project& project, const std::string& inputs_hash);
+Result<StepOutput> frames_step(Project& project, const std::string& inputs_hash);
 Result<StepOutput> report_step(Project& project, const std::string& inputs_hash);
 
 }  // namespace collinea

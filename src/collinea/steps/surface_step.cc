@@ -1,23 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/format.h>
-
 #include "collinea/base/memory.h"
-#include "collinea/cloud/las.h"
 #include "collinea/project/product_frame.h"
 #include "collinea/radiometry/view.h"
 #include "collinea/raster/block_cache.h"
 #include "collinea/raster/hillshade.h"
-#include "collinea/steps/cloud_pieces.h"
+#include "collinea/steps/internal/product_records.h"
+#include "collinea/steps/left_points.h"
 #include "collinea/steps/step.h"
 
 namespace collinea {
 namespace {
 
-PointSource points_of(LasReader& reader) {
-  return [&reader](std::vector<SurfacePoint>& batch) -> Result<> {
-    COLLINEA_TRY(const std::vector<CloudPoint> cloud, reader.read(kPiecePoints));
+PointSource points_of(LeftPoints& cloud) {
+  return [&cloud](std::vector<SurfacePoint>& batch) -> Result<> {
+    COLLINEA_TRY(const std::vector<CloudPoint> points, cloud.next());
     batch.clear();
-    for (const CloudPoint& point : cloud) batch.push_back({point.position, point.sigma_m, point.images});
+    for (const CloudPoint& point : points) batch.push_back({point.position, point.sigma_m, point.images});
     return {};
   };
 }
@@ -26,10 +24,10 @@ PointSource points_of(LasReader& reader) {
 Result<std::vector<PositionSigma>> orientation_sigmas(const Project& project, const LocalFrame* frame) {
   COLLINEA_TRY(const auto adjusted, project.store.read_outcome<AdjustmentRecord>());
   std::vector<PositionSigma> sigmas;
-  for (const HeightPrecision& at : adjusted.height_precision) {
+  for (const PositionPrecision& at : adjusted.position_precision) {
     const Eigen::Vector3d in_world(at.position_in_world.x(), at.position_in_world.y(), 0);
     const Eigen::Vector3d on_map = frame ? frame->map_from_local(in_world) : in_world;
-    sigmas.push_back({on_map.x(), on_map.y(), at.sigma_m});
+    sigmas.push_back({on_map.x(), on_map.y(), at.sigma_m(Eigen::Vector3d::UnitZ(), adjusted.sigma_scale())});
   }
   return sigmas;
 }
@@ -43,28 +41,18 @@ Result<StepOutput> surface_step(Project& project, const std::string& inputs_hash
                                                      finding_of(FindingCode::kNotDownwards, {Product::kSurfaceModel})}};
   COLLINEA_TRY(const ProductFrame product_frame, product_frame_of(project, block));
   COLLINEA_TRY(const std::vector<PositionSigma> sigmas, orientation_sigmas(project, product_frame.frame_or_null()));
-  COLLINEA_TRY(LasReader reader, LasReader::open(project.cloud()));
+  COLLINEA_TRY(LeftPoints cloud, LeftPoints::open(project));
   const BlockCacheLimit cache(kCacheOfPieces);
   const auto products = project.folder / "products";
   const DsmFiles files{products / "dsm.tif", products / "dsm_sigma.tif", products / "dsm_state.tif",
                        products / "dsm_count.tif", products / "dsm_sigma_relative.tif"};
   COLLINEA_TRY(const DsmSummary summary,
-               build_dsm({points_of(reader), product_frame.frame_or_null(), PointFrame::kMap,
+               build_dsm({points_of(cloud), product_frame.frame_or_null(), PointFrame::kMap,
                           product_frame.matched_pixel_m, sigmas},
                          files, project.folder / "scratch", project.settings.surface, project.run));
   give_back_freed_memory();
   COLLINEA_TRY(write_hillshade(files.height, products / "dsm_hillshade.tif", project.run));
-  return StepOutput{inputs_hash, SurfaceRecord{.cell_m = summary.grid.cell_m,
-                                               .width = summary.grid.width,
-                                               .height = summary.grid.height,
-                                               .points = summary.points,
-                                               .points_dropped = summary.points_dropped,
-                                               .measured_cells = summary.measured_cells,
-                                               .interpolated_cells = summary.interpolated_cells,
-                                               .lowest_m = summary.lowest_m,
-                                               .highest_m = summary.highest_m,
-                                               .mean_sigma_m = summary.mean_sigma_m,
-                                               .mean_sigma_relative_m = summary.mean_sigma_relative_m}};
+  return StepOutput{inputs_hash, surface_record(summary)};
 }
 
 }  // namespace collinea

@@ -4,6 +4,7 @@
 #include "collinea/base/file.h"
 #include "collinea/base/memory.h"
 #include "collinea/cloud/las.h"
+#include "collinea/edit/read_work.h"
 #include "collinea/project/product_frame.h"
 #include "collinea/radiometry/view.h"
 #include "collinea/raster/block_cache.h"
@@ -14,8 +15,6 @@
 
 namespace collinea {
 namespace {
-
-constexpr std::uint8_t kUnclassified = 1, kGround = 2;  // of ASPRS
 
 // Writes the cloud anew: all stays as it is but the classes. Returns how many points show the ground.
 Result<std::uint64_t> classify(const Project& project, const GroundSurface& ground) {
@@ -32,7 +31,7 @@ Result<std::uint64_t> classify(const Project& project, const GroundSurface& grou
     if (points.empty()) break;
     for (CloudPoint& point : points) {
       const bool shows = ground.shows_ground(point.position, double(point.sigma_m));
-      point.classification = shows ? kGround : kUnclassified;
+      point.classification = shows ? kGroundClass : kUnclassified;
       count += shows;
     }
     COLLINEA_TRY(writer.write(points));
@@ -42,6 +41,18 @@ Result<std::uint64_t> classify(const Project& project, const GroundSurface& grou
   }
   COLLINEA_TRY(writer.finish());
   return count;
+}
+
+// Whether what people gave a class shows the ground.
+Result<GroundByHand> ground_by_hand(const Project& project) {
+  COLLINEA_TRY(std::vector<CloudRegion> regions, read_cloud_regions(project));
+  CloudEdits edits(regions_of_classes(std::move(regions)));
+  if (edits.empty()) return GroundByHand{};
+  return GroundByHand([edits = std::move(edits)](const Eigen::Vector3d& on_map) -> std::optional<bool> {
+    const auto given = edits.class_at(on_map);
+    if (!given) return std::nullopt;
+    return *given == kGroundClass;
+  });
 }
 
 }  // namespace
@@ -64,7 +75,8 @@ Result<StepOutput> terrain_step(Project& project, const std::string& inputs_hash
   const DtmFiles files{products / "dtm.tif", products / "dtm_sigma.tif", products / "dtm_state.tif",
                        products / "contours.gpkg", products / "dtm_sigma_relative.tif"};
   const BlockCacheLimit cache(kCacheOfPieces);
-  const auto made = build_dtm(dsm, files, project.settings.terrain, project.run);
+  COLLINEA_TRY(const GroundByHand by_hand, ground_by_hand(project));
+  const auto made = build_dtm(dsm, files, project.settings.terrain, project.run, by_hand);
   if (!made && made.error().code == Errc::kIllPosed) return without(FindingCode::kNoGround);
   if (!made) return tl::unexpected(made.error());
   const DtmSummary& summary = made->summary;

@@ -2,6 +2,9 @@
 // What masks and patches make of products, and that nothing stays of them once they are undone.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "collinea/base/file.h"
 #include "collinea/base/hash.h"
 #include "collinea/edit/make_edits.h"
@@ -32,7 +35,7 @@ class WorkFlow : public SmallProject {
   }
   static std::vector<std::uint64_t> products(const fs::path& folder) {
     std::vector<std::uint64_t> hashes;
-    for (const char* file : {"cloud.las", "dsm.tif", "dtm.tif", "ortho.tif", "ortho_source.tif", "seamlines.gpkg"})
+    for (const char* file : {"cloud.copc.laz", "dsm.tif", "dtm.tif", "ortho.tif", "ortho_source.tif", "seamlines.gpkg"})
       hashes.push_back(hash_of_file(folder / "products" / file).value());
     return hashes;
   }
@@ -84,6 +87,61 @@ TEST_F(WorkFlow, MasksAndPatchesReachTheProductsAndUndoneLeaveNothing) {
   fs::remove_all(folder / "ortho");
   EXPECT_EQ(redone(folder), Steps{"ortho"});
   EXPECT_EQ(products(folder), now);
+}
+
+// Words for a square about a place of the map.
+std::vector<std::string> on_square(std::vector<std::string> words, double e, double n, double half_m) {
+  for (const auto& [east, north] : {std::pair(-half_m, -half_m), {half_m, -half_m}, {half_m, half_m}, {-half_m, half_m}})
+    for (const double value : {e + east, n + north}) words.push_back(std::to_string(value));
+  return words;
+}
+
+struct CellsOfSquare {
+  std::ptrdiff_t all, measured;
+};
+CellsOfSquare cells_of(const fs::path& state, double e, double n, double half_m) {
+  const auto raster = GeoTiffReader::open(state).value();
+  const MapGrid grid = raster.grid();
+  const int side = int(2 * half_m / grid.cell_m);
+  const auto cells = raster
+                         .read_byte(int(std::ceil(grid.column_of(e - half_m))),
+                                    int(std::ceil(grid.row_of(n + half_m))), side - 1, side - 1)
+                         .value();
+  return {std::ptrdiff_t(cells.data.size()), std::ranges::count(cells.data, std::uint8_t{1})};
+}
+
+TEST_F(WorkFlow, EditsOfTheCloudReachSurfaceAndTerrainAndUndoneLeaveNothing) {
+  const fs::path folder = copy("edited_cloud"), products_folder = folder / "products";
+  const auto before = products(folder);
+  const MapGrid grid = GeoTiffReader::open(products_folder / "dsm.tif")->grid();
+  const double e = grid.east_of(grid.width / 2), n = grid.north_of(grid.height / 2), half_m = 4;
+  const fs::path surface = products_folder / "dsm_state.tif", terrain = products_folder / "dtm_state.tif";
+  const double inner_m = half_m - 0.5;  // points beside a cell make it, too
+  const CellsOfSquare at_first = cells_of(surface, e, n, inner_m);
+  ASSERT_GT(at_first.measured, at_first.all / 2);
+
+  // What is cut or called noise is measured no more, whether the cloud has classes already or not.
+  for (const auto& words : {std::vector<std::string>{"cut", "-", "-"}, {"classify", "7", "-", "-"}}) {
+    ASSERT_EQ(edit(folder, on_square(words, e, n, half_m)), "");
+    EXPECT_EQ(redone(folder), (Steps{"surface", "terrain", "ortho"})) << words[0];
+    EXPECT_EQ(cells_of(surface, e, n, inner_m).measured, 0) << words[0];
+    EXPECT_EQ(products(folder)[0], before[0]) << "the file of the cloud stays";
+    ASSERT_EQ(edit(folder, {"undo"}), "");
+    EXPECT_EQ(redone(folder), (Steps{"surface", "terrain", "ortho"}));
+    EXPECT_EQ(products(folder), before) << words[0];
+  }
+
+  // Classes that are no noise are for the terrain alone: all of a square is no ground, or all of it is.
+  ASSERT_EQ(edit(folder, on_square({"classify", "6", "-", "-"}, e, n, half_m)), "");
+  EXPECT_EQ(redone(folder), (Steps{"terrain", "ortho"}));
+  EXPECT_EQ(cells_of(terrain, e, n, inner_m).measured, 0);
+  EXPECT_EQ(cells_of(surface, e, n, inner_m).measured, at_first.measured);
+  ASSERT_EQ(edit(folder, on_square({"classify", "2", "-", "-"}, e, n, half_m)), "");
+  EXPECT_EQ(redone(folder), (Steps{"terrain", "ortho"}));
+  EXPECT_EQ(cells_of(terrain, e, n, inner_m).measured, at_first.measured);
+  for (int i = 0; i < 2; ++i) ASSERT_EQ(edit(folder, {"undo"}), "");
+  redone(folder);
+  EXPECT_EQ(products(folder), before);
 }
 
 }  // namespace

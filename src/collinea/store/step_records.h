@@ -2,7 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -124,15 +126,20 @@ struct MatchRecord {
 /// East, north and height; nothing on an axis where nothing was measured.
 using AxisValues = std::array<std::optional<double>, 3>;
 
-/// Standard deviation of heights at a position, as far as images and cameras make it.
-struct HeightPrecision {
-  Eigen::Vector2d position_in_world{0, 0};  ///< east, north
-  double sigma_m = 0;                       ///< holds sigma0
+/// The covariance of a position, as far as images and cameras make it, by given sigmas: sigma_scale^2 times it holds
+/// sigma0.
+struct PositionPrecision {
+  Eigen::Vector3d position_in_world{0, 0, 0};
+  Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();
 
+  /// Along a direction of unit length.
+  [[nodiscard]] double sigma_m(const Eigen::Vector3d& along, double sigma_scale) const {
+    return std::sqrt(std::max(0.0, along.dot(covariance_m2 * along))) * sigma_scale;
+  }
   template <class Visit>
   static void fields(Visit&& visit) {
-    visit("position_in_world", &HeightPrecision::position_in_world);
-    visit("sigma_m", &HeightPrecision::sigma_m);
+    visit("position_in_world", &PositionPrecision::position_in_world);
+    visit("covariance_m2", &PositionPrecision::covariance_m2);
   }
 };
 
@@ -234,10 +241,13 @@ struct AdjustmentRecord {
   std::vector<ControlDifference> control;  ///< those that were excluded last
   std::vector<PositionDifference> positions;
   std::vector<GeodeticDifference> geodetic;
-  std::vector<HeightPrecision> height_precision;          ///< at some of the tie points
+  std::vector<PositionPrecision> position_precision;      ///< at some of the tie points
   std::map<ImageId, Eigen::Vector3d> centre_sigma_m;      ///< of projection centres: east, north, up; with sigma0
   std::map<ImageId, Eigen::Vector3d> rotation_sigma_rad;  ///< of small turns about these axes; with sigma0
   std::vector<Finding> findings;
+
+  /// What square roots of covariances by given sigmas are multiplied by, as sigma_scale(Adjusted).
+  [[nodiscard]] double sigma_scale() const { return redundancy > 0 && sigma0 > 1e-9 ? sigma0 : 1; }
 
   template <class Visit>
   static void fields(Visit&& visit) {
@@ -262,7 +272,7 @@ struct AdjustmentRecord {
     visit("control", &R::control);
     visit("positions", &R::positions);
     visit("geodetic", &R::geodetic);
-    visit("height_precision", &R::height_precision);
+    visit("position_precision", &R::position_precision);
     visit("centre_sigma_m", &R::centre_sigma_m);
     visit("rotation_sigma_rad", &R::rotation_sigma_rad);
     visit("findings", &R::findings);
@@ -392,6 +402,57 @@ struct OrthoRecord {
   }
 };
 
+/// A plane of the object, and the surface and orthophoto on it.
+struct FrameRecord {
+  std::string name;                                              ///< products/frames/NAME
+  Eigen::Vector3d origin{0, 0, 0};                               ///< on the map; in the world where there is none
+  Eigen::Vector3d right{0, 0, 0}, up{0, 0, 0}, normal{0, 0, 0};  ///< its axes, in the same
+  double width_m = 0, height_m = 0, depth_m = 0;  ///< what it holds: along right, up, both ways along normal
+  double area_m2 = 0, rms_m = 0;                  ///< of its points: what they cover, and their distances
+  std::uint64_t points = 0;
+  std::vector<ImageId> images;  ///< that see it from the front
+  SurfaceRecord surface;
+  OrthoRecord ortho;
+  double contour_m = 0;        ///< interval of the lines of equal distance; 0: none
+  std::uint64_t contours = 0;  ///< lines
+  double scale = 0;            ///< of the drawing: 50 for 1:50
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    using R = FrameRecord;
+    visit("name", &R::name);
+    visit("origin", &R::origin);
+    visit("right", &R::right);
+    visit("up", &R::up);
+    visit("normal", &R::normal);
+    visit("width_m", &R::width_m);
+    visit("height_m", &R::height_m);
+    visit("depth_m", &R::depth_m);
+    visit("area_m2", &R::area_m2);
+    visit("rms_m", &R::rms_m);
+    visit("points", &R::points);
+    visit("images", &R::images);
+    visit("surface", &R::surface);
+    visit("ortho", &R::ortho);
+    visit("contour_m", &R::contour_m);
+    visit("contours", &R::contours);
+    visit("scale", &R::scale);
+  }
+};
+
+/// The planes of the object beside the map.
+struct FramesRecord {
+  static constexpr std::string_view kStep = "frames";
+  bool looked_for = false;  ///< false: the map shows it all
+  std::vector<FrameRecord> frames;
+
+  template <class Visit>
+  static void fields(Visit&& visit) {
+    visit("looked_for", &FramesRecord::looked_for);
+    visit("frames", &FramesRecord::frames);
+  }
+};
+
 struct ReportRecord {
   static constexpr std::string_view kStep = "report";
   std::string file;  ///< below the project folder
@@ -404,7 +465,7 @@ struct ReportRecord {
 
 /// The closed list of records.
 using StepOutcome = std::variant<ImportRecord, DetectRecord, MatchRecord, OrientationRecord, AdjustmentRecord,
-                                 DensifyRecord, SurfaceRecord, TerrainRecord, OrthoRecord, ReportRecord>;
+                                 DensifyRecord, SurfaceRecord, TerrainRecord, OrthoRecord, FramesRecord, ReportRecord>;
 
 /// The name of the step that leaves such a record.
 [[nodiscard]] std::string_view step_of(const StepOutcome& outcome);

@@ -174,7 +174,11 @@ TEST(StepRecords, PartsOfRecordsTellEveryMember) {
   [[maybe_unused]] const auto& [code, option] = Remedy{};
   EXPECT_EQ(members_stated<Remedy>(), 2u);
   EXPECT_EQ(members_stated<PairCounts>(), members_of<PairCounts>());
-  EXPECT_EQ(members_stated<HeightPrecision>(), members_of<HeightPrecision>());
+  [[maybe_unused]] const auto& [position, covariance] = PositionPrecision{};
+  EXPECT_EQ(members_stated<PositionPrecision>(), 2u);
+  [[maybe_unused]] const auto& [frame, origin, right, up, normal, width, height, depth, area, rms, points, images,
+                                surface, ortho, contour, contours, scale] = FrameRecord{};
+  EXPECT_EQ(members_stated<FrameRecord>(), 17u);
   EXPECT_EQ(members_stated<CalibrationRecord>(), members_of<CalibrationRecord>());
   EXPECT_EQ(members_stated<GivenSeamlines>(), members_of<GivenSeamlines>());
   EXPECT_EQ(members_stated<InstrumentOptions>(), members_of<InstrumentOptions>());

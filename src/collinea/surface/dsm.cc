@@ -237,7 +237,7 @@ Result<DsmSummary> build_dsm(const SurfaceCloud& cloud, const SurfaceSink& sink,
   summary.grid.west_m = double(extent.west) * cell_m;
   summary.grid.north_m = -double(extent.north) * cell_m;
   summary.grid.width = int(extent.width), summary.grid.height = int(extent.height);
-  if (cloud.frame) summary.grid.wkt = cloud.frame->wkt1();
+  summary.grid.wkt = cloud.frame ? cloud.frame->wkt1() : cloud.wkt;
   COLLINEA_TRY(sink.begin(summary.grid));
   if (auto made = make_model(cloud, buckets, isolated_components, extent, widest_hole_cells(options, cell_m), sink,
                              scratch, summary, run);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "collinea/base/options.h"
@@ -78,7 +79,8 @@ struct SurfaceCloud {
   /// taken as independent, and the cell has to be given.
   double gsd_m = 0;
   std::vector<PositionSigma>
-      position_sigmas;  ///< what images and cameras add to the sigmas of heights; none: nothing is known
+      position_sigmas;   ///< what images and cameras add to the sigmas of heights; none: nothing is known
+  std::string wkt = {};  ///< of the CRS, where there is no `frame`: of a plane of an object
 };
 
 /// The surface model of a cloud: per cell the height of the uppermost surface (see CellFit). Cell edges lie on

@@ -47,8 +47,9 @@ tl::unexpected<Error> no_ground() { return fail(Errc::kIllPosed, "nothing in the
 
 class Terrain {
  public:
-  Terrain(SurfacePieces pieces, const DtmFiles& files, const DtmOptions& options, const Run& run)
-      : pieces_(std::move(pieces)), files_(files), options_(options), run_(run) {}
+  Terrain(SurfacePieces pieces, const DtmFiles& files, const DtmOptions& options, const GroundByHand& by_hand,
+          const Run& run)
+      : pieces_(std::move(pieces)), files_(files), options_(options), by_hand_(by_hand), run_(run) {}
 
   Result<Dtm> make() {
     summary_.grid = pieces_.grid();
@@ -82,11 +83,18 @@ class Terrain {
 
   Result<> find_low() {
     low_m_ = FloatImage(coarse_width_, coarse_height_, 1, kNaN);
+    given_ = Raster<std::uint8_t>(coarse_width_, coarse_height_);
     return pieces_.over_coarse_rows(run_, false, 0, 0.25, [&](int v, const SurfacePiece& piece) {
       std::vector<float> heights;
       pieces_.for_coarse_columns(piece, [&](int u) {
         heights.clear();
-        pieces_.for_measured(piece, u, v, [&](int x, int y) { heights.push_back(piece.height_m.at(x, y)); });
+        std::size_t of_ground = 0;  // as people say
+        pieces_.for_measured(piece, u, v, [&](int x, int y) {
+          const auto said = said_of(piece, x, y);
+          if (said != false) heights.push_back(piece.height_m.at(x, y));
+          of_ground += said == true;
+        });
+        if (2 * of_ground > heights.size()) given_.at(u, v) = 1;
         if (heights.empty() || !pieces_.enough(heights.size())) return;
         const auto low = heights.begin() + std::ptrdiff_t(kLowQuantile * double(heights.size() - 1));
         std::nth_element(heights.begin(), low, heights.end());
@@ -97,8 +105,10 @@ class Terrain {
 
   // Empties low heights that are not those of ground.
   Result<> keep_ground() {
-    const Raster<std::uint8_t> ground = ground_cells(low_m_, cell_m_, options_.largest_object_m, run_);
+    Raster<std::uint8_t> ground = ground_cells(low_m_, cell_m_, options_.largest_object_m, run_);
     if (run_.stopped()) return fail(Errc::kCancelled, "cancelled");
+    for (std::size_t i = 0; i < ground.data.size(); ++i) ground.data[i] |= given_.data[i];
+    given_ = {};
     if (std::none_of(ground.data.begin(), ground.data.end(), [](std::uint8_t g) { return g != 0; })) return no_ground();
     for (std::size_t i = 0; i < ground.data.size(); ++i)
       if (!ground.data[i]) low_m_.data[i] = kNaN;
@@ -112,7 +122,15 @@ class Terrain {
     return {};
   }
 
+  // What people say of a cell.
+  [[nodiscard]] std::optional<bool> said_of(const SurfacePiece& piece, int x, int y) const {
+    if (!by_hand_) return std::nullopt;
+    const MapGrid& grid = pieces_.grid();
+    return by_hand_({grid.east_of(piece.column + x), grid.north_of(piece.row + y), double(piece.height_m.at(x, y))});
+  }
+
   [[nodiscard]] bool is_ground(const SurfacePiece& piece, int x, int y) const {
+    if (const auto said = said_of(piece, x, y)) return *said;
     return ground_.shows_ground((piece.column + x + 0.5) / each_, (piece.row + y + 0.5) / each_,
                                 double(piece.height_m.at(x, y)), double(piece.sigma_m.at(x, y)));
   }
@@ -275,12 +293,14 @@ class Terrain {
   SurfacePieces pieces_;
   const DtmFiles& files_;
   const DtmOptions& options_;
+  const GroundByHand& by_hand_;
   const Run& run_;
   DtmSummary summary_;
   int each_ = 1;  // cells of the surface model along a coarse one
   int coarse_width_ = 0, coarse_height_ = 0;
   double cell_m_ = 0;                 // of the coarse grid
   FloatImage low_m_;                  // low heights of coarse cells
+  Raster<std::uint8_t> given_;        // whether people say that they are of the ground
   GroundSurface ground_;              // that they tell, everywhere
   HeightLevel mean_;                  // of the ground
   std::optional<RasterSpool> means_;  // its heights and sigmas, once they are continued
@@ -310,10 +330,11 @@ bool GroundSurface::shows_ground(const Eigen::Vector3d& on_map, double sigma_m) 
   return shows_ground(column, row, on_map.z(), sigma_m);
 }
 
-Result<Dtm> build_dtm(const DsmFiles& dsm, const DtmFiles& files, const DtmOptions& options, const Run& run) {
+Result<Dtm> build_dtm(const DsmFiles& dsm, const DtmFiles& files, const DtmOptions& options, const Run& run,
+                      const GroundByHand& by_hand) {
   COLLINEA_TRY(validate(options));
   COLLINEA_TRY(SurfacePieces pieces, SurfacePieces::open(dsm));
-  return Terrain(std::move(pieces), files, options, run).make();
+  return Terrain(std::move(pieces), files, options, by_hand, run).make();
 }
 
 }  // namespace collinea

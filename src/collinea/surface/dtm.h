@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -63,6 +64,9 @@ class GroundSurface {
   FloatImage low_m_;
 };
 
+/// What people say of what is seen at a position of the map: whether it shows the ground; nothing: they say nothing.
+using GroundByHand = std::function<std::optional<bool>(const Eigen::Vector3d& on_map)>;
+
 /// A terrain model that was written, and what points of the cloud can be classified with.
 struct Dtm {
   DtmSummary summary;
@@ -72,8 +76,10 @@ struct Dtm {
 /// The terrain model of a surface model: heights of the ground, as measured where the ground is seen (see
 /// GroundSurface), and interpolated from around under buildings, trees and whatever else stands on it (ground_cells).
 /// It covers what the surface model covers. Contours are those of the coarse grid's means. Memory: 20 bytes
-/// for each cell of the coarse grid, at most 64 million, and pieces of the rasters. The same bits with any number of
+/// for each cell of the coarse grid, at most 64 million, and pieces of the rasters. Where `by_hand` (may be empty) says
+/// what a measured cell shows, that holds, and the ground around follows it. The same bits with any number of
 /// threads. Errors: no ground at all; reading; disk; cancelled.
-Result<Dtm> build_dtm(const DsmFiles& dsm, const DtmFiles& files, const DtmOptions& options, const Run& run);
+Result<Dtm> build_dtm(const DsmFiles& dsm, const DtmFiles& files, const DtmOptions& options, const Run& run,
+                      const GroundByHand& by_hand = {});
 
 }  // namespace collinea

@@ -111,6 +111,37 @@ TEST_F(DtmOfAHouse, TheGroundStaysAndGoesOnUnderTheHouse) {
   EXPECT_FALSE(made->ground.shows_ground({900, 2000, 250}, kSigma));  // off the map
 }
 
+// People know better: the house is a mound of the ground, and a square of lawn is a hedge. Between mound and lawn the
+// coarse ground is a slope on which neither lies.
+TEST_F(DtmOfAHouse, WhatPeopleSayOfTheGroundHolds) {
+  const auto is_hedge = [](double x, double y) { return x >= 400 && x < 460 && y >= 350 && y < 390; };
+  const auto is_beside_house = [](int x, int y) {
+    return x >= 185 && x < 335 && y >= 285 && y < 415 && !is_house(x, y);
+  };
+  const DtmFiles dtm = files("dtm");
+  const auto made = build_dtm(dsm_, dtm, {}, {}, [&](const Eigen::Vector3d& on_map) -> std::optional<bool> {
+    const double x = (on_map.x() - 1000) / kCell, y = (2000 - on_map.y()) / kCell;
+    EXPECT_NEAR(on_map.z(), 250, 12);
+    if (is_house(int(x), int(y))) return true;
+    if (is_hedge(x, y)) return false;
+    return std::nullopt;
+  });
+  ASSERT_TRUE(made) << made.error().message;
+  const FloatImage height = heights_of(dtm.height), surface = heights_of(dsm_.height);
+  const auto state = bytes_of(dtm.state);
+  for (int y = 50; y < kHeight; ++y)
+    for (int x = 50; x < kWidth; ++x) {
+      if (is_beside_house(x, y)) continue;
+      const bool measured = !is_hedge(x, y) && !is_hole(x, y);
+      EXPECT_EQ(CellState(state.at(x, y)), measured ? CellState::kMeasured : CellState::kInterpolated);
+      if (measured) {
+        EXPECT_EQ(height.at(x, y), surface.at(x, y));
+      } else if (is_hedge(x, y)) {
+        EXPECT_NEAR(height.at(x, y), terrain_m(x, y), 0.17);
+      }
+    }
+}
+
 // What lifts a survey as a whole, as receivers do by metres, says nothing of a house against the ground beside it.
 TEST_F(DtmOfAHouse, AnErrorOfTheWholeSurveyMakesNoGround) {
   constexpr float kCommon = 2;

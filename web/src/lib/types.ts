@@ -16,8 +16,12 @@ export type Severity = "wrong" | "weak" | "note";
 export interface Finding {
   code: string;
   severity: Severity;
+  /** English sentences. */
   what: string;
   remedy?: string;
+  subjects?: { kind: string; name?: string; aspect?: string; axis?: string | number }[];
+  figures?: { name: string; value: number | null; unit: string }[];
+  remedies?: { code: string; option?: { group: string; field: string; value: string } }[];
 }
 
 export interface Step {
@@ -275,7 +279,7 @@ export interface Places {
   in_block?: Omit<MarkedPoint, "redundancy"> | null;
 }
 
-export type MarkKind = "auto" | "circle" | "cross" | "chequerboard";
+export type MarkKind = "auto" | "circle" | "cross" | "chequerboard" | "tag";
 
 export interface Refined {
   pixel: Vector2;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The catalogue: every text of the page by its key. What the server says (summaries, findings, help of options) is English.
+// The catalogue: every text of the page by its key. What the server says (summaries, help of options) is English; findings are in words/findings.ts.
 import { de } from "../words/de";
 import { en, type Key } from "../words/en";
 import { keep, kept } from "./keep";

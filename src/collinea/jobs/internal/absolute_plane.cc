@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "collinea/geometry/plane_similarity.h"
+#include "collinea/jobs/internal/rejection.h"
 
 namespace collinea {
 namespace {
@@ -38,23 +39,12 @@ Pairs pairs_of(const AbsoluteTables& control) {
   return out;
 }
 
-// Least squares, and again without the worst as long as its test is beyond the limit and enough is left to check it.
 std::optional<PlaneSimilarityFit> fitted(AbsoluteTables& control, const OrientAbsoluteOptions& options) {
-  while (true) {
-    const Pairs all = pairs_of(control);
-    auto fit = fit_plane_similarity(all.pairs);
-    if (!fit || !options.reject || fit->redundancy <= 2) return fit;
-    const VarianceTest variance{fit->sigma0, fit->redundancy, control.fit.sigmas_are_stated, options.alpha};
-    std::size_t worst = 0;
-    for (std::size_t k = 0; k < fit->w.size(); ++k)
-      if (fit->w[k].cwiseAbs().maxCoeff() > fit->w[worst].cwiseAbs().maxCoeff()) worst = k;
-    if (!(fit->w[worst].cwiseAbs().maxCoeff() / variance.of_tests() > variance.limit())) return fit;
-    control.fit.is_rejected[all.indices[worst]] = true;
-    if (!fit_plane_similarity(pairs_of(control).pairs)) {
-      control.fit.is_rejected[all.indices[worst]] = false;
-      return fit;
-    }
-  }
+  return fitted_with_rejection(
+      Rejection{options.reject, control.fit.sigmas_are_stated, options.alpha, 2},
+      [&] { return fit_plane_similarity(pairs_of(control).pairs); },
+      [](const PlaneSimilarityFit& fit) -> const auto& { return fit.w; },
+      [&](std::size_t k) { return control.fit.is_rejected[pairs_of(control).indices[k]]; });
 }
 
 Result<> leave_out_by_median(AbsoluteTables& control, std::uint64_t seed) {

@@ -5,6 +5,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <ranges>
+
+#include "collinea/jobs/internal/rejection.h"
 
 namespace collinea {
 namespace {
@@ -63,25 +66,10 @@ Result<AbsoluteOrientation> fitted(const ControlFit& control) {
 }
 
 Result<AbsoluteOrientation> fitted_with_rejection(ControlFit& control, bool reject, double alpha) {
-  while (true) {
-    const std::vector<std::size_t> used = control.used();
-    COLLINEA_TRY(const AbsoluteOrientation found, fitted(control));
-    const VarianceTest variance{found.sigma0, found.redundancy, control.sigmas_are_stated, alpha};
-    if (!reject || found.redundancy <= 1) return found;
-    std::size_t worst = 0;
-    double largest = 0;
-    for (std::size_t k = 0; k < used.size(); ++k)
-      if (const double w = found.residuals[k].w.cwiseAbs().maxCoeff() / variance.of_tests(); w > largest) {
-        largest = w;
-        worst = used[k];
-      }
-    if (!(largest > variance.limit())) return found;
-    control.is_rejected[worst] = true;
-    if (!fitted(control)) {  // not enough is left without it
-      control.is_rejected[worst] = false;
-      return found;
-    }
-  }
+  return fitted_with_rejection(
+      Rejection{reject, control.sigmas_are_stated, alpha, 1}, [&] { return fitted(control); },
+      [](const AbsoluteOrientation& found) { return found.residuals | std::views::transform(&ControlResidual::w); },
+      [&](std::size_t k) { return control.is_rejected[control.used()[k]]; });
 }
 
 AbsoluteReport control_report(const ControlFit& control, const AbsoluteOrientation& found,

@@ -15,6 +15,7 @@
 #include "collinea/io/number_rows.h"
 #include "collinea/io/text_table.h"
 #include "collinea/jobs/internal/exterior_table.h"
+#include "collinea/jobs/internal/fundamental_file.h"
 #include "collinea/jobs/internal/given_pair.h"
 #include "collinea/jobs/internal/orientation_findings.h"
 #include "collinea/jobs/internal/out_folder.h"
@@ -207,6 +208,7 @@ Result<> write_tables(const RelativeReport& report, const fs::path& folder) {
   COLLINEA_TRY(write_file(folder / "correlations.txt", text_of(relative_correlation_table(report))));
   COLLINEA_TRY(write_file(folder / "exterior.txt", text_of(relative_exterior_table(report))));
   if (report.names.empty()) return {};
+  COLLINEA_TRY(write_fundamental(report, folder));
   COLLINEA_TRY(write_file(folder / "coplanarity.txt", text_of(relative_coplanarity_table(report))));
   return write_file(folder / "findings.json", findings_json_text(report.findings));
 }

@@ -84,15 +84,17 @@ void add_control_geometry(const AbsoluteReport& report, const ControlFit& contro
                                   {RemedyCode::kGiveControlOffLine}));
 }
 
+Finding points_behind(int count, int of) {
+  return finding_of(C::kPointsBehind, {}, {{F::kCount, double(count)}, {F::kOf, double(of)}},
+                    {RemedyCode::kCheckAssignment});
+}
+
 }  // namespace
 
 void add_choice_findings(const RelativeOrientation& orientation, std::span<const RelativeSolution, 4> solutions,
                          std::vector<Finding>& findings) {
   if (orientation.in_front < kInFront * orientation.used)
-    findings.push_back(
-        finding_of(C::kPointsBehind, {},
-                   {{F::kCount, double(orientation.used - orientation.in_front)}, {F::kOf, double(orientation.used)}},
-                   {RemedyCode::kCheckAssignment}));
+    findings.push_back(points_behind(orientation.used - orientation.in_front, orientation.used));
   const auto alike = std::ranges::count(solutions, solutions[0].in_front, &RelativeSolution::in_front);
   if (alike > 1)
     findings.push_back(finding_of(C::kSolutionsOpen, {}, {{F::kCount, double(alike)}}, {RemedyCode::kCheckAssignment}));
@@ -126,10 +128,7 @@ std::vector<Finding> given_relative_findings(const RelativeReport& report) {
   const RelativeOrientation& orientation = report.orientation;
   std::vector<Finding> findings;
   if (orientation.in_front < kInFront * orientation.used)
-    findings.push_back(
-        finding_of(C::kPointsBehind, {},
-                   {{F::kCount, double(orientation.used - orientation.in_front)}, {F::kOf, double(orientation.used)}},
-                   {RemedyCode::kCheckAssignment}));
+    findings.push_back(points_behind(orientation.used - orientation.in_front, orientation.used));
   if (!report.options.sigma_known) return findings;
   std::vector<MeasurementTest> tests;
   for (std::size_t i = 0; i < report.names.size(); ++i)
@@ -149,9 +148,7 @@ std::vector<Finding> triplet_findings(const TripletReport& report) {
         finding_of(C::kCombinationsOpen, {}, {{F::kCount, double(acceptable)}}, {RemedyCode::kMeasureMorePoints}));
   const auto common = static_cast<int>(report.common);
   if (const int in_front = all[static_cast<std::size_t>(report.joined.chosen)].in_front; in_front < common)
-    findings.push_back(finding_of(C::kPointsBehind, {},
-                                  {{F::kCount, double(common - in_front)}, {F::kOf, double(common)}},
-                                  {RemedyCode::kCheckAssignment}));
+    findings.push_back(points_behind(common - in_front, common));
   if (common < kFewCommonPoints)
     findings.push_back(finding_of(C::kFewPoints, {},
                                   {{F::kCount, double(common)}, {F::kLimit, double(kFewCommonPoints)}},

@@ -9,6 +9,7 @@
 #include "collinea/epipolar/pair_shape.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/jobs/internal/pair_cloud.h"
+#include "collinea/jobs/internal/pair_sigma.h"
 #include "collinea/jobs/internal/pose_estimates.h"
 
 namespace collinea {
@@ -18,7 +19,6 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Poses = std::array<Rigid3, 2>;
 
-constexpr double kLeastStep = 1e-9;  // of a degree of freedom [rad, bases]
 constexpr double kRounding = 1e-12;  // [m, bases, deg]
 
 Poses poses_by(const Rigid3& right_from_left, const Similarity3& ground_from_model) {
@@ -82,8 +82,9 @@ Result<std::array<UncertainPose, 2>> exterior_poses(const ModelOfPair& model, co
   const Matrix5 relative = model.orientation.stated_covariance();
   const Poses poses = poses_by(model.right_from_left(), map_from_model(absolute));
   std::array<Eigen::Matrix<double, 6, 5>, 2> by;
+  const Vector5 steps = difference_steps(model.orientation);
   for (int i = 0; i < 5; ++i) {
-    const double step = std::max(std::sqrt(std::max(relative(i, i), 0.0)), kLeastStep);
+    const double step = steps[i];
     COLLINEA_TRY(const Poses more, changed_poses(model, step * Vector5::Unit(i), control));
     COLLINEA_TRY(const Poses less, changed_poses(model, -step * Vector5::Unit(i), control));
     for (std::size_t k = 0; k < 2; ++k) by[k].col(i) = difference(more[k], less[k]) / (2 * step);

@@ -9,7 +9,6 @@ namespace collinea {
 namespace {
 
 constexpr int kAcross = 17, kDisparities = 3;  // nodes along columns and rows; along disparities
-constexpr double kLeastStep = 1e-9;            // of a degree of freedom [rad, bases]
 constexpr double kLeastPoseStep = 1e-7;        // of a parameter of a pose [rad, bases]
 constexpr double kBeyond = 0.2;                // of the range of disparities of the orientation, to either side
 
@@ -61,7 +60,7 @@ struct Changes {
 Result<Changes> changes_of(const ModelOfPair& model, const std::optional<PairControl>& control) {
   const RelativeOrientation& orientation = model.orientation;
   Changes changes;
-  const Vector5 steps = orientation.stated_covariance().diagonal().cwiseMax(0).cwiseSqrt().cwiseMax(kLeastStep);
+  const Vector5 steps = difference_steps(orientation);
   for (int i = 0; i < 5; ++i) {
     std::array<Oriented, 2> both;
     for (std::size_t side = 0; side < 2; ++side) {
@@ -95,6 +94,11 @@ Result<Changes> changes_of(const ModelOfPair& model, const std::array<UncertainP
 
 }  // namespace
 
+Vector5 difference_steps(const RelativeOrientation& orientation) {
+  constexpr double kLeastStep = 1e-9;
+  return orientation.stated_covariance().diagonal().cwiseMax(0).cwiseSqrt().cwiseMax(kLeastStep);
+}
+
 PairOrientationSigma::Lattice PairOrientationSigma::lattice_of(const ModelOfPair& model) {
   const EpipolarPair& cameras = model.epipolar;
   const std::vector<LevelPoint>& points = model.in_epipolar;
@@ -117,8 +121,9 @@ struct NodeRays {
   Eigen::Vector3d left, right;
 };
 
+// With the covariance that `covariance_of` makes of how the point of two rays changes and of these rays.
 template <class Lattice, class CovarianceOf>
-std::vector<Eigen::Matrix3d> nodes_of(const Lattice& lattice, const EpipolarPair& cameras,
+std::vector<Eigen::Matrix3d> nodes_of(const Lattice& lattice, const EpipolarPair& cameras, const Changes& changes,
                                       const CovarianceOf& covariance_of) {
   std::vector<Eigen::Matrix3d> nodes;
   for (int k = 0; k < kDisparities; ++k)
@@ -126,9 +131,11 @@ std::vector<Eigen::Matrix3d> nodes_of(const Lattice& lattice, const EpipolarPair
       for (int i = 0; i < kAcross; ++i) {
         const double disparity = lattice.low + k * lattice.step_d;
         const Eigen::Vector2d at(i * lattice.step_x, j * lattice.step_y);
-        nodes.push_back(
-            covariance_of(NodeRays{disparity, normalized(cameras.left, at).homogeneous(),
-                                   normalized(cameras.right, at - Eigen::Vector2d(disparity, 0)).homogeneous()}));
+        const NodeRays rays{disparity, normalized(cameras.left, at).homogeneous(),
+                            normalized(cameras.right, at - Eigen::Vector2d(disparity, 0)).homogeneous()};
+        nodes.push_back(covariance_of(changes.derivative(cameras.left_from_image.conjugate() * rays.left,
+                                                         cameras.right_from_image.conjugate() * rays.right),
+                                      rays));
       }
   return nodes;
 }
@@ -142,18 +149,16 @@ Result<PairOrientationSigma> PairOrientationSigma::of(const ModelOfPair& model,
   const EpipolarPair& cameras = model.epipolar;
   const Matrix5 relative = model.orientation.stated_covariance();
   const Lattice lattice = lattice_of(model);
-  return PairOrientationSigma(lattice, nodes_of(lattice, cameras, [&](const NodeRays& rays) {
-                                const Eigen::Matrix3Xd by =
-                                    changes.derivative(cameras.left_from_image.conjugate() * rays.left,
-                                                       cameras.right_from_image.conjugate() * rays.right);
-                                Eigen::Matrix3d covariance = by * relative * by.transpose();
-                                if (absolute) {
-                                  const Eigen::Vector3d in_model =
-                                      inverse(cameras.left_from_world) * (cameras.depth_at(rays.disparity) * rays.left);
-                                  covariance += on_ground(*absolute, in_model).covariance;
-                                }
-                                return covariance;
-                              }));
+  return PairOrientationSigma(
+      lattice, nodes_of(lattice, cameras, changes, [&](const Eigen::Matrix3Xd& by, const NodeRays& rays) {
+        Eigen::Matrix3d covariance = by * relative * by.transpose();
+        if (absolute) {
+          const Eigen::Vector3d in_model =
+              inverse(cameras.left_from_world) * (cameras.depth_at(rays.disparity) * rays.left);
+          covariance += on_ground(*absolute, in_model).covariance;
+        }
+        return covariance;
+      }));
 }
 
 Result<PairOrientationSigma> PairOrientationSigma::of(const ModelOfPair& model,
@@ -161,16 +166,14 @@ Result<PairOrientationSigma> PairOrientationSigma::of(const ModelOfPair& model,
   COLLINEA_TRY(const Changes changes, changes_of(model, poses));
   const EpipolarPair& cameras = model.epipolar;
   const Lattice lattice = lattice_of(model);
-  return PairOrientationSigma(lattice, nodes_of(lattice, cameras, [&](const NodeRays& rays) {
-                                const Eigen::Matrix3Xd by =
-                                    changes.derivative(cameras.left_from_image.conjugate() * rays.left,
-                                                       cameras.right_from_image.conjugate() * rays.right);
-                                Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-                                for (Eigen::Index k = 0; k < 2; ++k)
-                                  covariance += by.middleCols<6>(6 * k) * poses[std::size_t(k)].covariance *
-                                                by.middleCols<6>(6 * k).transpose();
-                                return covariance;
-                              }));
+  return PairOrientationSigma(
+      lattice, nodes_of(lattice, cameras, changes, [&](const Eigen::Matrix3Xd& by, const NodeRays&) {
+        Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+        for (Eigen::Index k = 0; k < 2; ++k)
+          covariance +=
+              by.middleCols<6>(6 * k) * poses[std::size_t(k)].covariance * by.middleCols<6>(6 * k).transpose();
+        return covariance;
+      }));
 }
 
 Eigen::Matrix3d PairOrientationSigma::covariance(const Eigen::Vector2d& left_px, double disparity_px) const {

@@ -10,6 +10,10 @@
 
 namespace collinea {
 
+/// By how much each degree of freedom of changed() is moved to either side where derivatives by it are taken from
+/// differences: its standard deviation, 1e-9 [rad, bases] at least.
+[[nodiscard]] Vector5 difference_steps(const RelativeOrientation& orientation);
+
 /// What relative and absolute orientation make uncertain of a point of a pair's surface. With x the change of the
 /// relative orientation, of covariance C, and t the similarity to the ground, of covariance T for a given model,
 ///     covariance = B C B' + J T J',   B = dX/dx,   J = dX/dt.

@@ -140,7 +140,7 @@ void PlaneOfAProject::the_plane_of_a_region_is_the_one_that_most_points_of_the_c
   constexpr double kTolerance_m = 0.5;
   const Block block = open_project(root_ / "mapped", {})->store.read_block().value();
   const auto frame = world_frame(block.georeference.value());
-  auto reader = LasReader::open(root_ / "mapped/products/cloud.las");
+  auto reader = LasReader::open(root_ / "mapped/products/cloud.copc.laz");
   ASSERT_TRUE(frame && reader);
   const LasHeader header = reader->header();
   const auto points = reader->read(10'000'000);

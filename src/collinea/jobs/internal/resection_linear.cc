@@ -3,6 +3,8 @@
 
 #include "collinea/epipolar/linear_pose.h"
 #include "collinea/jobs/internal/pose_estimates.h"
+#include "collinea/jobs/internal/rejection.h"
+#include "collinea/orient/contradicting_mark.h"
 
 namespace collinea {
 namespace {
@@ -50,30 +52,17 @@ Result<double> leave_out_by_median(ResectionTables& tables, const Camera& camera
                 {"least_median"_option});
   for (std::size_t k = 0; k < rows.size(); ++k) {
     ResectionRow& mark = tables.marks[rows[k]];
-    const auto seen = project(camera, starts[0].cam_from_world * points[k]);
-    mark.is_rejected = !seen || (*seen - pixels[k]).norm() > 3.04 * std::max(starts[0].scale_px, mark.sigma);
+    mark.is_rejected = contradicts(camera, starts[0], points[k], pixels[k], mark.sigma);
   }
   return starts[0].scale_px;
 }
 
-// The pose, and again without the worst point as long as its test is beyond the limit and enough is left to check it.
 std::optional<LinearPose> fitted(ResectionTables& tables, const Camera& camera, const ResectOneOptions& options) {
-  while (true) {
-    const Points points = points_of(tables, camera);
-    auto pose = linear_pose(points.points);
-    if (!pose || !options.reject || pose->redundancy <= 2) return pose;
-    const VarianceTest variance{pose->sigma0, pose->redundancy, tables.sigmas_are_stated, options.alpha};
-    std::size_t worst = 0;
-    for (std::size_t k = 0; k < pose->w.size(); ++k)
-      if (pose->w[k].cwiseAbs().maxCoeff() > pose->w[worst].cwiseAbs().maxCoeff()) worst = k;
-    if (!(pose->w[worst].cwiseAbs().maxCoeff() / variance.of_tests() > variance.limit())) return pose;
-    ResectionRow& mark = tables.marks[points.rows[worst]];
-    mark.is_rejected = true;
-    if (!linear_pose(points_of(tables, camera).points)) {
-      mark.is_rejected = false;
-      return pose;
-    }
-  }
+  return fitted_with_rejection(
+      Rejection{options.reject, tables.sigmas_are_stated, options.alpha, 2},
+      [&] { return linear_pose(points_of(tables, camera).points); },
+      [](const LinearPose& pose) -> const auto& { return pose.w; },
+      [&](std::size_t k) -> bool& { return tables.marks[points_of(tables, camera).rows[k]].is_rejected; });
 }
 
 void add_marks(const ResectionTables& tables, const PhotoFrame& frame, const LinearPose& pose, const Points& points,

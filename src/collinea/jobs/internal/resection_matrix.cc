@@ -11,6 +11,7 @@
 #include "collinea/epipolar/projection_matrix.h"
 #include "collinea/epipolar/robust_projection.h"
 #include "collinea/jobs/internal/pose_estimates.h"
+#include "collinea/jobs/internal/rejection.h"
 
 namespace collinea {
 namespace {
@@ -227,25 +228,13 @@ Result<double> leave_out_by_median(ResectionTables& tables, const PhotoFrame& fr
   return found->scale;
 }
 
-// Least squares, and again without the worst as long as its test is beyond the limit and enough is left to check it.
 std::optional<ProjectionFit> fitted(ResectionTables& tables, const PhotoFrame& frame, bool is_plane,
                                     const ResectOneOptions& options) {
-  while (true) {
-    const Points points = points_of(tables, frame, is_plane);
-    auto fit = fit_of(points, is_plane);
-    if (!fit || !options.reject || fit->redundancy <= 2) return fit;
-    const VarianceTest variance{fit->sigma0, fit->redundancy, tables.sigmas_are_stated, options.alpha};
-    std::size_t worst = 0;
-    for (std::size_t k = 0; k < fit->w.size(); ++k)
-      if (fit->w[k].cwiseAbs().maxCoeff() > fit->w[worst].cwiseAbs().maxCoeff()) worst = k;
-    if (!(fit->w[worst].cwiseAbs().maxCoeff() / variance.of_tests() > variance.limit())) return fit;
-    ResectionRow& mark = tables.marks[points.rows[worst]];
-    mark.is_rejected = true;
-    if (!fit_of(points_of(tables, frame, is_plane), is_plane)) {
-      mark.is_rejected = false;
-      return fit;
-    }
-  }
+  const auto points = [&] { return points_of(tables, frame, is_plane); };
+  return fitted_with_rejection(
+      Rejection{options.reject, tables.sigmas_are_stated, options.alpha, 2}, [&] { return fit_of(points(), is_plane); },
+      [](const ProjectionFit& fit) -> const auto& { return fit.w; },
+      [&](std::size_t k) -> bool& { return tables.marks[points().rows[k]].is_rejected; });
 }
 
 // Where the matrix has a point, in its axes. Nothing behind the camera.

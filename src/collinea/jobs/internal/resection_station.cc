@@ -10,6 +10,7 @@
 #include "collinea/geometry/planar_resection.h"
 #include "collinea/jobs/internal/danger_shape.h"
 #include "collinea/jobs/internal/pose_estimates.h"
+#include "collinea/jobs/internal/rejection.h"
 
 namespace collinea {
 
@@ -47,23 +48,12 @@ Result<> leave_out_by_median(ResectionTables& tables, std::uint64_t seed) {
   return {};
 }
 
-// Least squares, and again without the worst as long as its test is beyond the limit and enough is left to check it.
 std::optional<PlanarResection> fitted(ResectionTables& tables, const ResectOneOptions& options) {
-  while (true) {
-    const Directions all = directions_of(tables);
-    auto found = planar_resection(all.directions);
-    if (!found || !options.reject || found->redundancy <= 1) return found;
-    const VarianceTest variance{found->sigma0, found->redundancy, tables.sigmas_are_stated, options.alpha};
-    const auto worst = std::max_element(found->w.begin(), found->w.end(),
-                                        [](double a, double b) { return std::abs(a) < std::abs(b); });
-    if (!(std::abs(*worst) / variance.of_tests() > variance.limit())) return found;
-    ResectionRow& mark = tables.marks[all.rows[static_cast<std::size_t>(worst - found->w.begin())]];
-    mark.is_rejected = true;
-    if (!planar_resection(directions_of(tables).directions)) {
-      mark.is_rejected = false;
-      return found;
-    }
-  }
+  return fitted_with_rejection(
+      Rejection{options.reject, tables.sigmas_are_stated, options.alpha, 1},
+      [&] { return planar_resection(directions_of(tables).directions); },
+      [](const PlanarResection& found) -> const auto& { return found.w; },
+      [&](std::size_t k) -> bool& { return tables.marks[directions_of(tables).rows[k]].is_rejected; });
 }
 
 constexpr double kMgon = 200e3 / std::numbers::pi;

@@ -16,6 +16,8 @@ struct TieNoise {
   double loss_scale_sigmas = 2;
   /// Errors beyond are gross: no part of this distribution. Infinite where nothing tells.
   double gross_sigmas = std::numeric_limits<double>::infinity();
+  /// The same of rays measured anew, over the standard deviations that their windows state.
+  double anew_factor = 1, anew_gross_sigmas = std::numeric_limits<double>::infinity();
 };
 
 /// How the standard deviation of a feature's position grows with the scale it was found at, relative to 2 px. Two

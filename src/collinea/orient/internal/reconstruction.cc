@@ -20,7 +20,6 @@ constexpr double kGuessedFocal = 0.2;  // relative sigma from which a focal leng
 constexpr int kNeedCells = 8,
               kNeededPerCell = 12;  // of an image's cells: up to 768 tracks an image and what others need
 constexpr double kLeastSigma = 0.01, kMostSigma = 10;  // of the errors of tie points, over what the options say
-constexpr double kMovedSigma = 0.5;                    // of a ray measured anew, over that of a feature of 2 px
 constexpr std::size_t kChunk = 256;                    // tracks handed to a thread at once
 
 // Spread of pixels over an image: occupied cells on grids of 2, 4, 8 and 16, finer grids counting more (COLMAP's
@@ -75,7 +74,7 @@ Result<Reconstruction> Reconstruction::create(const Block& setup, std::span<cons
     const auto number = static_cast<std::uint32_t>(result.tracks_.size());
     for (const auto& [image, feature] : track.features) {
       result.rays_of_[image].push_back({number, static_cast<std::uint32_t>(state.rays.size())});
-      state.rays.push_back({image, feature, Eigen::Vector2d::Zero(), 1, false});
+      state.rays.push_back({image, feature, Eigen::Vector2d::Zero()});
     }
     result.tracks_.push_back(std::move(state));
   }
@@ -328,22 +327,41 @@ void Reconstruction::set_noise(const TieNoise& noise) {
 }
 
 std::optional<TieNoise> Reconstruction::shown_noise() const {
-  std::vector<double> squared_px2;
+  std::vector<double> squared_px2, squared_anew;
   for (const TrackState& track : tracks_) {
     if (!track.point || count_active(track) < 3) continue;
     for (const Ray& ray : track.rays)
-      if (const auto error = ray.active ? error_px(ray, *track.point) : std::nullopt)
-        squared_px2.push_back(std::pow(*error / ray.sigma_factor, 2) / share_left(track));
+      if (const auto error = ray.active ? error_px(ray, *track.point) : std::nullopt) {
+        const bool is_anew = ray.anew_sigma_px > 0;
+        (is_anew ? squared_anew : squared_px2)
+            .push_back(std::pow(*error / (is_anew ? ray.anew_sigma_px : ray.sigma_factor), 2) / share_left(track));
+      }
   }
-  return fit_noise(squared_px2);
+  auto shown = fit_noise(squared_px2);
+  const auto anew = fit_noise(squared_anew);
+  if (!anew) return shown;
+  // Both have one loss in the adjustment: that of most rays.
+  if (!shown || squared_anew.size() > squared_px2.size()) {
+    TieNoise both = *anew;
+    both.sigma_px = shown ? shown->sigma_px : noise_.sigma_px;
+    both.gross_sigmas = shown ? shown->gross_sigmas : noise_.gross_sigmas;
+    shown = both;
+  }
+  shown->anew_factor = anew->sigma_px;
+  shown->anew_gross_sigmas = anew->gross_sigmas;
+  return shown;
 }
 
 std::optional<int> Reconstruction::leave_out_gross(const Run& run) {
-  if (std::isinf(noise_.gross_sigmas)) return std::nullopt;
+  if (std::isinf(noise_.gross_sigmas) && std::isinf(noise_.anew_gross_sigmas)) return std::nullopt;
   chosen_ = true;
   noise_.loss = Loss::kNone;
-  const double gross_px = noise_.gross_sigmas * noise_.sigma_px;
-  return filter([&](const Ray& ray, double share) { return gross_px * ray.sigma_factor * std::sqrt(share); }, run);
+  return filter(
+      [&](const Ray& ray, double share) {
+        const double gross_sigmas = ray.anew_sigma_px > 0 ? noise_.anew_gross_sigmas : noise_.gross_sigmas;
+        return gross_sigmas * sigma_px(ray) * std::sqrt(share);
+      },
+      run);
 }
 
 std::vector<ImageId> Reconstruction::neighbours_of(ImageId image, std::size_t count) const {
@@ -372,8 +390,7 @@ Block Reconstruction::block_of(const std::vector<std::uint32_t>& numbers) const 
     const PointId point{number};
     block.points.emplace_hint(block.points.end(), point, TiePoint{*track.point, {}});
     for (const Ray& ray : track.rays)
-      if (ray.active)
-        block.observations.push_back({ray.image, point, ray.feature, ray.pixel, noise_.sigma_px * ray.sigma_factor});
+      if (ray.active) block.observations.push_back({ray.image, point, ray.feature, ray.pixel, sigma_px(ray)});
   }
   return block;
 }
@@ -459,15 +476,26 @@ void Reconstruction::move_world(const Similarity3& new_from_old) {
     if (track.point) track.point = new_from_old * *track.point;
 }
 
-void Reconstruction::move_rays(const Block& block, std::span<const std::optional<Eigen::Vector2d>> positions_px) {
-  for (std::size_t i = 0; i < block.observations.size(); ++i) {
-    if (!positions_px[i]) continue;
-    const Observation& seen = block.observations[i];
+void Reconstruction::move_rays(const Block& block, std::span<const std::optional<MovedRay>> moved) {
+  const auto ray_of = [&](const Observation& seen) -> Ray& {
     std::vector<Ray>& rays = tracks_[seen.point.value].rays;
-    const auto ray = std::lower_bound(rays.begin(), rays.end(), seen.image,
-                                      [](const Ray& one, ImageId image) { return one.image < image; });
-    ray->pixel = *positions_px[i];
-    ray->sigma_factor = kMovedSigma;
+    return *std::lower_bound(rays.begin(), rays.end(), seen.image,
+                             [](const Ray& one, ImageId image) { return one.image < image; });
+  };
+  for (std::size_t begin = 0; begin < block.observations.size();) {
+    std::size_t end = begin, count = 0;
+    while (end < block.observations.size() && block.observations[end].point == block.observations[begin].point)
+      count += moved[end++].has_value();
+    for (std::size_t i = begin; count > 0 && i < end; ++i) {
+      Ray& ray = ray_of(block.observations[i]);
+      if (moved[i]) {
+        ray.pixel = moved[i]->pixel;
+        ray.anew_sigma_px = moved[i]->sigma_px;
+      } else {
+        ray.sigma_factor *= std::numbers::sqrt2;
+      }
+    }
+    begin = end;
   }
 }
 

@@ -30,8 +30,14 @@ class Reconstruction {
     ImageId image;
     std::uint32_t feature = 0;
     Eigen::Vector2d pixel;
-    double sigma_factor = 1;  ///< of its feature's scale
+    double sigma_factor = 1;   ///< of its feature's scale
+    double anew_sigma_px = 0;  ///< of a ray measured anew, as its window states it; 0: where its feature is
     bool active = false;
+  };
+  /// A position measured anew, with the standard deviation of each coordinate.
+  struct MovedRay {
+    Eigen::Vector2d pixel;
+    double sigma_px = 0;
   };
   struct TrackState {
     std::vector<Ray> rays;                 ///< sorted by image
@@ -103,6 +109,9 @@ class Reconstruction {
   void move_world(const Similarity3& new_from_old);
   /// What the errors of tie points are taken for. At first: sigma_px of the options and Huber's loss.
   [[nodiscard]] const TieNoise& noise() const { return noise_; }
+  [[nodiscard]] double sigma_px(const Ray& ray) const {
+    return ray.anew_sigma_px > 0 ? noise_.anew_factor * ray.anew_sigma_px : noise_.sigma_px * ray.sigma_factor;
+  }
   /// Their sigma is kept between a hundredth and ten times sigma_px.
   void set_noise(const TieNoise& noise);
   /// What the points with three rays and more show of it; nothing when there are too few.
@@ -112,9 +121,10 @@ class Reconstruction {
   /// are lost with them. Nothing, and nothing is done, where the noise knows no limit.
   std::optional<int> leave_out_gross(const Run& run);
   /// Other positions in the images for the rays of a block made by block(), in the order of its observations; nothing:
-  /// the ray keeps its own. A ray so moved counts as measured twice as well as a feature of scale 2 px: the noise shown
-  /// afterwards was 0.38 to 0.72 of that shown before on five blocks, rendered and real.
-  void move_rays(const Block& block, std::span<const std::optional<Eigen::Vector2d>> positions_px);
+  /// the ray keeps its own. Such rays have their own standard deviations, of which the noise knows the true size apart
+  /// from that of features. Positions of a point are against that of its reference, which is a feature's: a ray of the
+  /// same point that keeps its feature errs by both.
+  void move_rays(const Block& block, std::span<const std::optional<MovedRay>> moved);
   /// Cameras that are calibrated get these parameters, zero at first.
   void set_additional(AdditionalSet set);
   /// Sets the poses of images; nothing else.

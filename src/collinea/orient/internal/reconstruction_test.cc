@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "collinea/orient/internal/test_pairs.h"
 
@@ -51,21 +53,22 @@ TEST(Reconstruction, GrossErrorsLeaveForGoodAndTheLossWithThem) {
   reconstruction->extend_all({});
   EXPECT_FALSE(reconstruction->leave_out_gross({}));  // nothing is known of the noise
   const Block before = reconstruction->block();
-  std::vector<std::optional<Eigen::Vector2d>> positions_px(before.observations.size());
+  std::vector<std::optional<Reconstruction::MovedRay>> rays(before.observations.size());
   std::size_t moved = 0;
   // In points of four rays and more: an error along the line between two rays only moves their point.
   const auto rays_of = [&](PointId point) {
     return std::count_if(before.observations.begin(), before.observations.end(),
                          [&](const Observation& seen) { return seen.point == point; });
   };
-  for (std::size_t i = 0; i < positions_px.size(); i += 50) {
+  for (std::size_t i = 0; i < rays.size(); i += 50) {
     if (rays_of(before.observations[i].point) < 4) continue;
-    positions_px[i] = before.observations[i].pixel + Eigen::Vector2d(0, kOff_px);
+    rays[i] = {before.observations[i].pixel + Eigen::Vector2d(0, kOff_px), kSigma_px};
     ++moved;
   }
   ASSERT_GT(moved, 10u);
-  reconstruction->move_rays(before, positions_px);
-  reconstruction->set_noise({.sigma_px = kSigma_px, .loss = Loss::kCauchy, .gross_sigmas = 10});
+  reconstruction->move_rays(before, rays);
+  reconstruction->set_noise(
+      {.sigma_px = kSigma_px, .loss = Loss::kCauchy, .gross_sigmas = 10, .anew_gross_sigmas = 10});
   ASSERT_TRUE(reconstruction->adjust_all({.calibration = Calibration::kNone, .loss = Loss::kCauchy}, {}, {}));
   const auto inactive = reconstruction->leave_out_gross({});
   ASSERT_TRUE(inactive);
@@ -74,10 +77,10 @@ TEST(Reconstruction, GrossErrorsLeaveForGoodAndTheLossWithThem) {
   const auto left = [&] {
     std::size_t count = 0;
     const Block block = reconstruction->block();
-    for (std::size_t i = 0; i < positions_px.size(); ++i)
-      if (positions_px[i])
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      if (rays[i])
         count += std::count_if(block.observations.begin(), block.observations.end(), [&](const Observation& seen) {
-          return seen.image == before.observations[i].image && seen.pixel == *positions_px[i];
+          return seen.image == before.observations[i].image && seen.pixel == rays[i]->pixel;
         });
     return count;
   };
@@ -87,7 +90,7 @@ TEST(Reconstruction, GrossErrorsLeaveForGoodAndTheLossWithThem) {
   EXPECT_EQ(left(), 0u);
 }
 
-TEST(Reconstruction, ARayThatIsMovedCountsTwiceAndTheOthersStay) {
+TEST(Reconstruction, ARayThatIsMovedHasItsOwnSigma) {
   Matched input = matched(testing::test_block({.rows = 2, .columns = 3, .points = 100, .sigma_px = 0, .seed = 3}));
   input.setup.cameras = input.truth.cameras;
   auto reconstruction = Reconstruction::create(input.setup, input.pairs, input.source(), {});
@@ -97,16 +100,48 @@ TEST(Reconstruction, ARayThatIsMovedCountsTwiceAndTheOthersStay) {
   const Block before = reconstruction->block();
   ASSERT_GT(before.observations.size(), 100u);
   constexpr std::size_t kMoved = 51;
-  std::vector<std::optional<Eigen::Vector2d>> positions_px(before.observations.size());
-  positions_px[kMoved] = before.observations[kMoved].pixel + Eigen::Vector2d(0.25, -0.5);
-  reconstruction->move_rays(before, positions_px);
+  std::vector<std::optional<Reconstruction::MovedRay>> moved(before.observations.size());
+  moved[kMoved] = {before.observations[kMoved].pixel + Eigen::Vector2d(0.25, -0.5), 0.04};
+  reconstruction->move_rays(before, moved);
   const Block after = reconstruction->block();
   ASSERT_EQ(after.observations.size(), before.observations.size());
   for (std::size_t i = 0; i < after.observations.size(); ++i) {
-    const bool moved = i == kMoved;
-    EXPECT_EQ(after.observations[i].pixel, moved ? *positions_px[i] : before.observations[i].pixel);
-    EXPECT_DOUBLE_EQ(after.observations[i].sigma_px, (moved ? 0.5 : 1) * before.observations[i].sigma_px);
+    const Observation &was = before.observations[i], &is = after.observations[i];
+    if (i == kMoved) {
+      EXPECT_EQ(is.pixel, moved[i]->pixel);
+      EXPECT_DOUBLE_EQ(is.sigma_px, 0.04);
+      continue;
+    }
+    // The others of its point are against its reference, whose feature errs as theirs do.
+    const bool is_beside = was.point == before.observations[kMoved].point;
+    EXPECT_EQ(is.pixel, was.pixel);
+    EXPECT_DOUBLE_EQ(is.sigma_px, (is_beside ? std::numbers::sqrt2 : 1) * was.sigma_px);
   }
+}
+
+// Every second point is said to be measured anew with twice the standard deviation that its errors have.
+TEST(Reconstruction, RaysMeasuredAnewShowANoiseOfTheirOwn) {
+  constexpr double kSigma_px = 0.1;
+  Matched input =
+      matched(testing::test_block({.rows = 2, .columns = 3, .points = 1500, .sigma_px = kSigma_px, .seed = 3}));
+  input.setup.cameras = input.truth.cameras;
+  auto reconstruction = Reconstruction::create(input.setup, input.pairs, input.source(), {});
+  ASSERT_TRUE(reconstruction) << reconstruction.error().message;
+  reconstruction->start_from_poses(testing::poses_of(input.truth));
+  reconstruction->extend_all({});
+  const auto alike = reconstruction->shown_noise();
+  ASSERT_TRUE(alike);
+  EXPECT_EQ(alike->anew_factor, 1);
+  const Block block = reconstruction->block();
+  std::vector<std::optional<Reconstruction::MovedRay>> moved(block.observations.size());
+  for (std::size_t i = 0; i < moved.size(); ++i)
+    if (block.observations[i].point.value % 2 == 0) moved[i] = {block.observations[i].pixel, 2 * kSigma_px};
+  reconstruction->move_rays(block, moved);
+  const auto apart = reconstruction->shown_noise();
+  ASSERT_TRUE(apart);
+  EXPECT_NEAR(apart->sigma_px, alike->sigma_px, 0.1 * alike->sigma_px);
+  EXPECT_NEAR(apart->anew_factor * 2 * kSigma_px, kSigma_px, 0.1 * kSigma_px);
+  EXPECT_TRUE(std::isfinite(apart->anew_gross_sigmas));
 }
 
 }  // namespace

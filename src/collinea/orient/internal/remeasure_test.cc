@@ -64,14 +64,14 @@ class PaintedFloor : public ::testing::Test {
       }
     return grey;
   }
-  [[nodiscard]] std::vector<std::optional<Eigen::Vector2d>> remeasured(int threads) const {
+  [[nodiscard]] std::vector<std::optional<Remeasured>> remeasured(int threads) const {
     const auto keypoints = [](ImageId) -> Result<std::vector<Keypoint>> {
       return std::vector<Keypoint>(kPoints, Keypoint{.scale_px = 2});
     };
     const auto positions =
         remeasure(block_, keypoints, [&](ImageId image) { return image_of(image); }, {.threads = threads});
     EXPECT_TRUE(positions);
-    return positions.value_or(std::vector<std::optional<Eigen::Vector2d>>{});
+    return positions.value_or(std::vector<std::optional<Remeasured>>{});
   }
 
   Block block_;
@@ -84,7 +84,7 @@ TEST_F(PaintedFloor, ObservationsOfAPointMeetWhereItsReferenceLooks) {
   for (std::size_t first = 0; first < positions.size(); first += kImages) {
     std::vector<Eigen::Vector3d> on_floor_at;
     for (std::size_t i = first; i < first + kImages; ++i)
-      if (positions[i]) on_floor_at.push_back(on_floor(block_.observations[i].image, *positions[i]));
+      if (positions[i]) on_floor_at.push_back(on_floor(block_.observations[i].image, positions[i]->pixel));
     for (const Eigen::Vector3d& one : on_floor_at)  // a pixel is 20 mm
       EXPECT_LT((one - on_floor_at.front()).norm(), 0.0012);
     measured += static_cast<int>(on_floor_at.size());
@@ -97,7 +97,41 @@ TEST_F(PaintedFloor, ObservationsInAnImageThatCannotBeReadStay) {
   for (std::size_t i = kImages - 1; i < positions.size(); i += kImages) EXPECT_FALSE(positions[i]);
 }
 
-TEST_F(PaintedFloor, ThreadsDoNotChangeTheResult) { EXPECT_EQ(remeasured(1), remeasured(3)); }
+TEST_F(PaintedFloor, ThreadsDoNotChangeTheResult) {
+  const auto one = remeasured(1), three = remeasured(3);
+  ASSERT_EQ(one.size(), three.size());
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    ASSERT_EQ(one[i].has_value(), three[i].has_value());
+    if (!one[i]) continue;
+    EXPECT_EQ(one[i]->pixel, three[i]->pixel);
+    EXPECT_EQ(one[i]->covariance_px2, three[i]->covariance_px2);
+  }
+}
+
+// Of each point that keeps its positions the windows share no pixels with those of another, in any image; none of its
+// positions is left out alone.
+TEST_F(PaintedFloor, WindowsThatAreKeptLieApart) {
+  const auto all = remeasured(1);
+  auto apart = all;
+  keep_apart(block_, apart);
+  std::size_t kept = 0, left_out = 0;
+  for (std::size_t i = 0; i < apart.size(); ++i) {
+    kept += apart[i].has_value();
+    left_out += all[i].has_value() && !apart[i].has_value();
+    for (std::size_t k = i - i % kImages; k < i; ++k) {
+      const bool has_both = all[i] && all[k];
+      EXPECT_TRUE(!has_both || apart[i].has_value() == apart[k].has_value());
+    }
+    for (std::size_t k = 0; k < i; ++k) {
+      const Observation &a = block_.observations[i], &b = block_.observations[k];
+      if (!apart[i] || !apart[k] || a.image != b.image) continue;
+      const double distance = (apart[i]->pixel - apart[k]->pixel).cwiseAbs().maxCoeff();
+      EXPECT_GT(distance, apart[i]->reach_px + apart[k]->reach_px - 4);  // squares of four pixels tell
+    }
+  }
+  EXPECT_GT(kept, 40u);
+  EXPECT_GT(left_out, 40u);
+}
 
 }  // namespace
 }  // namespace collinea

@@ -10,6 +10,7 @@
 
 #include "collinea/math/median.h"
 #include "collinea/report/finding_words.h"
+#include "collinea/report/internal/cells.h"
 #include "collinea/report/internal/page_parts.h"
 #include "collinea/report/internal/svg.h"
 #include "collinea/report/value_words.h"
@@ -140,18 +141,54 @@ std::string facts_section(const ReportInput& input, const ReportSummary& s) {
   return html + "</dl>\n";
 }
 
-std::string products_images(const std::optional<Preview>& heights, const std::optional<Preview>& ortho,
-                            const std::string& unit) {
-  if (!heights && !ortho) return "";
-  std::string html = "<section><h2>Products</h2>\n<div class=\"pair\">\n";
-  if (ortho)
-    html +=
-        "<figure>" + image_element(*ortho, "Orthophoto") + "<figcaption>Orthophoto, reduced.</figcaption></figure>\n";
-  if (heights)
-    html += "<figure>" + image_element(*heights, "Surface model") + height_scale(*heights, unit) +
-            "<figcaption>Surface model, reduced; heights in colour, light from the north-west. White: no "
-            "height.</figcaption></figure>\n";
-  return html + "</div></section>\n";
+std::string images_of(const ProductPreviews& shown, const std::string& unit, const char* of_heights) {
+  std::string html = "<div class=\"pair\">\n";
+  if (shown.ortho)
+    html += "<figure>" + image_element(*shown.ortho, "Orthophoto") +
+            "<figcaption>Orthophoto, reduced.</figcaption></figure>\n";
+  if (shown.heights)
+    html += "<figure>" + image_element(*shown.heights, "Surface model") + height_scale(*shown.heights, unit) +
+            "<figcaption>" + of_heights + "</figcaption></figure>\n";
+  return html + "</div>";
+}
+
+std::string products_images(const ProductPreviews& map, const std::string& unit) {
+  if (!map.heights && !map.ortho) return "";
+  return "<section><h2>Products</h2>\n" +
+         images_of(map, unit,
+                   "Surface model, reduced; heights in colour, light from the north-west. White: no height.") +
+         "</section>\n";
+}
+
+std::string frames_section(const ReportInput& input, const ReportSummary& s,
+                           const std::vector<ProductPreviews>& previews) {
+  const std::vector<FrameRecord> frames = outcome_in<FramesRecord>(input.steps).frames;
+  if (frames.empty()) return "";
+  std::string html =
+      "<section><h2>Planes of the object</h2>\n<p>Surface and orthophoto on each plane as on the ground, in "
+      "products/frames. Sigma: of a distance from the plane, and of one against those around it.</p>\n"
+      "<table><thead><tr><th class=\"l\">plane</th><th>width [" +
+      s.unit + "]</th><th>height [" + s.unit + "]</th><th>photographs</th><th>RMS of its points [" + s.unit +
+      "]</th><th>cell [" + s.unit + "]</th><th>sigma [" + s.unit + "]</th><th>relative [" + s.unit +
+      "]</th><th>interpolated [%]</th></tr></thead><tbody>\n";
+  for (const FrameRecord& frame : frames) {
+    const double seen = double(frame.surface.measured_cells + frame.surface.interpolated_cells);
+    html += "<tr>" + text_cell(frame.name) +
+            fmt::format(
+                "<td>{:.2f}</td><td>{:.2f}</td><td>{}</td><td>{:.3g}</td><td>{:.3g}</td><td>{:.3g}</td><td>{:.3g}"
+                "</td><td>{:.1f}</td></tr>\n",
+                frame.width_m, frame.height_m, frame.images.size(), frame.rms_m, frame.surface.cell_m,
+                frame.surface.mean_sigma_m, frame.surface.mean_sigma_relative_m,
+                seen > 0 ? 100 * double(frame.surface.interpolated_cells) / seen : 0.0);
+  }
+  html += "</tbody></table>\n";
+  for (std::size_t i = 0; i < frames.size() && i < previews.size(); ++i)
+    html += "<h3>" + escaped(frames[i].name) + "</h3>\n" +
+            images_of(previews[i], s.unit,
+                      "Distance from the plane in colour, positive towards the viewer, light from the upper left. "
+                      "White: nothing measured.") +
+            "\n";
+  return html + "</section>\n";
 }
 
 std::string geometry_section(const ReportInput& input, const ReportSummary& s) {
@@ -188,11 +225,12 @@ std::string residual_section(const ReportSummary& s) {
 
 }  // namespace
 
-std::string report_page(const ReportInput& input, const ReportSummary& s, const std::optional<Preview>& heights,
-                        const std::optional<Preview>& ortho) {
+std::string report_page(const ReportInput& input, const ReportSummary& s, const ProductPreviews& map,
+                        const std::vector<ProductPreviews>& frames) {
   std::string html = statement_section(input, s);
   html += facts_section(input, s);
-  html += products_images(heights, ortho, s.unit);
+  html += products_images(map, s.unit);
+  html += frames_section(input, s, frames);
   html += geometry_section(input, s);
   html += control_section(input, s);
   html += geodetic_section(input);

@@ -10,9 +10,14 @@
 
 namespace collinea {
 
-/// The whole page. Previews that are missing are left out.
+/// What is shown of surface and orthophoto, of the map or of a plane; what is missing is left out.
+struct ProductPreviews {
+  std::optional<Preview> heights, ortho;
+};
+
+/// The whole page. `frames`: of the planes in the record of the step frames, in its order.
 [[nodiscard]] std::string report_page(const ReportInput& input, const ReportSummary& summary,
-                                      const std::optional<Preview>& heights, const std::optional<Preview>& image);
+                                      const ProductPreviews& map, const std::vector<ProductPreviews>& frames);
 
 // Its parts, each one or more <section>; empty when there is nothing to tell.
 [[nodiscard]] std::string control_section(const ReportInput& input, const ReportSummary& summary);

@@ -64,6 +64,7 @@ struct ReportInput {
   std::vector<StepRecord> steps;
   std::vector<ReportProduct> products;
   std::filesystem::path dsm, ortho;    ///< GeoTIFFs to show; empty: none
+  std::filesystem::path frames;        ///< folder with those of the planes of the record of the step frames
   std::optional<NamedValues> options;  ///< those that were chosen; nothing: not known
   SpellOption spelling = {};           ///< of options on the page, as they are typed; nothing: "option name = value"
   NamedValues versions;                ///< program and libraries

@@ -103,12 +103,10 @@ std::vector<GeodeticDifference> geodetic_of(const Adjustment& adjustment, const 
 }
 
 // Where the covariance gives no number nothing is kept.
-std::vector<HeightPrecision> height_precision_of(const Examined& adjusted) {
-  std::vector<HeightPrecision> list;
-  for (const PointPrecision& precision : adjusted.point_precisions) {
-    const double sigma_m = std::sqrt(std::max(0.0, precision.covariance_m2(2, 2))) * sigma_scale(adjusted);
-    if (std::isfinite(sigma_m)) list.push_back({precision.position_in_world.head<2>(), sigma_m});
-  }
+std::vector<PositionPrecision> position_precision_of(const Examined& adjusted) {
+  std::vector<PositionPrecision> list;
+  for (const PointPrecision& precision : adjusted.point_precisions)
+    if (precision.covariance_m2.allFinite()) list.push_back({precision.position_in_world, precision.covariance_m2});
   return list;
 }
 
@@ -177,7 +175,7 @@ AdjustmentRecord record_of(const Adjustment& adjustment, const OrientationRecord
   record.refraction = adjustment.refracted.has_value();
   record.calibration = calibration_of(adjustment, calibration);
   record.geodetic = geodetic_of(adjustment, orientation);
-  record.height_precision = height_precision_of(adjusted);
+  record.position_precision = position_precision_of(adjusted);
   for (const auto& [image, covariance] : adjusted.pose_covariance) {
     const Eigen::Matrix<double, 6, 1> sigma = covariance.diagonal().cwiseSqrt() * sigma_scale(adjusted);
     record.rotation_sigma_rad[image] = sigma.head<3>();

@@ -307,5 +307,5 @@ export class Desk {
   }
 }
 
-const kinds = ["circle", "cross", "chequerboard"] as const;
+const kinds = ["circle", "cross", "chequerboard", "tag"] as const;
 const kindIn = (word: string): (typeof kinds)[number] => kinds.find((one) => one === word) ?? "cross";

@@ -18,7 +18,8 @@ export type ToWorker =
   | { drop: number[] }
   | { cancel: number[] }
   | { regions: CloudRegion[] }
-  | { pick: PickRay; among: number[]; ask: number };
+  /** With `pointing_m` the place is answered that the ray means, where it goes by a point that is picked. */
+  | { pick: PickRay; among: number[]; ask: number; pointing_m?: number };
 
 export interface PickedPoint {
   at: Triple;
@@ -26,6 +27,11 @@ export interface PickedPoint {
   sigma_m: number | null;
   class: number;
   images: number;
+}
+
+/** A place on the surface of the cloud, with standard deviations along the axes of the map. */
+export interface PlacedPoint extends PickedPoint {
+  sigmas_m: Triple;
 }
 
 export interface LoadedNode {
@@ -51,7 +57,9 @@ export type FromWorker =
   | { missed: number; why: string }
   /** Colours and traits as the regions now have them. */
   | { edited: number; colours: Uint8Array; traits: Uint8Array }
-  | { picked: PickedPoint | null; ask: number };
+  /** All nodes have the regions that were told last, or before. */
+  | { applied: true }
+  | { picked: PickedPoint | PlacedPoint | null; ask: number };
 
 /** Standard deviations in a byte, by the logarithm: steps of 4.4 % from 0.1 mm; 0: not known. */
 export const sigmaCode = (sigma_m: number): number => (sigma_m > 0 ? Math.min(Math.max(Math.round(16 * Math.log2(sigma_m / 1e-4)) + 1, 1), 255) : 0);

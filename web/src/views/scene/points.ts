@@ -5,7 +5,7 @@ import { BufferAttribute, BufferGeometry, Frustum, Group, Matrix4, Points, Spher
 import { Failures } from "../../lib/failures";
 import type { CloudRegion } from "../../lib/types";
 import type { CloudHeader, CloudNode } from "./cloud_file";
-import { type FromWorker, type LoadedNode, type PickRay, type PickedPoint, type Spread, type ToWorker } from "./messages";
+import { type FromWorker, type LoadedNode, type PickRay, type PickedPoint, type PlacedPoint, type Spread, type ToWorker } from "./messages";
 import { LeastRecentlyUsed, wantedNodes } from "./octree";
 import { pointMaterial } from "./shaders";
 import type { Triple } from "./viewpoint";
@@ -33,17 +33,21 @@ export class CloudPoints {
   /** Points drawn, and nodes on their way. */
   drawn = 0;
   loading = 0;
+  /** Something is on its way that changes what is drawn. */
+  isBusy = false;
   readonly #worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
   readonly #events: PointsEvents;
   #used = new LeastRecentlyUsed();
   readonly #shown = new Map<number, Points<BufferGeometry, RawShaderMaterial>>();
   readonly #asked = new Set<number>();
   readonly #failures = new Failures<number>();
-  readonly #waits = new Map<number, (point: PickedPoint | null) => void>();
+  readonly #waits = new Map<number, (point: PickedPoint | PlacedPoint | null) => void>();
   readonly #classes = new Set<number>();
   #nodes: CloudNode[] = [];
   #wanted: number[] = [];
   #ask = 0;
+  /** Regions that the worker has not applied yet. */
+  #applying = 0;
 
   constructor(events: PointsEvents) {
     this.#events = events;
@@ -58,7 +62,9 @@ export class CloudPoints {
   }
 
   setRegions(regions: CloudRegion[]): void {
+    ++this.#applying;
     this.#say({ regions });
+    this.#events.changed();
   }
 
   /** Chooses what a view shows; `pixels(node)`: size of its side on the screen; drawn now are about `most` points of it. */
@@ -90,6 +96,7 @@ export class CloudPoints {
       }
     }
     this.loading = this.#asked.size;
+    this.isBusy = this.#asked.size > 0 || this.#applying > 0;
     const evicted = this.#used.evicted(kept * this.budget, wanted);
     for (const index of evicted) this.#forget(index);
     if (evicted.length) this.#say({ drop: evicted });
@@ -97,10 +104,19 @@ export class CloudPoints {
 
   /** The point under a ray, of those that are drawn. */
   pick(ray: PickRay): Promise<PickedPoint | null> {
+    return this.#answer((ask, among) => ({ pick: ray, among, ask }));
+  }
+
+  /** The place that a ray means, of someone who points as well as `pointing_m`. */
+  place(ray: PickRay, pointing_m: number): Promise<PlacedPoint | null> {
+    return this.#answer((ask, among) => ({ pick: ray, among, ask, pointing_m })) as Promise<PlacedPoint | null>;
+  }
+
+  #answer(message: (ask: number, among: number[]) => ToWorker): Promise<PickedPoint | PlacedPoint | null> {
     const ask = ++this.#ask;
     return new Promise((resolve) => {
       this.#waits.set(ask, resolve);
-      this.#say({ pick: ray, among: this.#wanted.filter((index) => this.#shown.has(index)), ask });
+      this.#say(message(ask, this.#wanted.filter((index) => this.#shown.has(index))));
     });
   }
 
@@ -136,6 +152,9 @@ export class CloudPoints {
     else if ("picked" in message) {
       this.#waits.get(message.ask)?.(message.picked);
       this.#waits.delete(message.ask);
+    } else if ("applied" in message) {
+      --this.#applying;
+      this.#events.changed();
     } else if (!this.header) return; // of the cloud before this one
     else if ("loaded" in message) this.#take(message.loaded);
     else if ("missed" in message) this.#missed(message.missed, message.why);

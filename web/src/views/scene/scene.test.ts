@@ -2,7 +2,8 @@
 import { expect, test } from "vitest";
 
 import { drawing } from "../../lib/drawing.svelte";
-import type { CloudRegion } from "../../lib/types";
+import type { CloudRegion, ImageInfo } from "../../lib/types";
+import { levelSize, wantedPictures } from "./camera_pictures";
 import { type CloudHeader, type CloudNode, tree } from "./cloud_file";
 import { sigmaCode, sigmaOfCode } from "./messages";
 import { LeastRecentlyUsed, wantedNodes } from "./octree";
@@ -45,6 +46,20 @@ test("what was not used for longest makes room, but not what is seen", () => {
   expect(used.points).toBe(30);
   expect(used.evicted(15, new Set([3]))).toEqual([2, 1]);
   expect(used.points).toBe(10);
+});
+
+test("pictures of cameras are as fine as they are seen, and as many as memory holds", () => {
+  const image = (id: number): ImageInfo => ({ id, width: 6000, height: 4000, levels: 6 }) as ImageInfo;
+  expect(levelSize(image(0), 0)).toEqual([188, 125]);
+  const all = Array.from({ length: 1000 }, (_, id) => ({ image: image(id), size: 170 + id }));
+  const many = wantedPictures(all, 100e6);
+  expect(many.length).toBe(Math.floor(100e6 / Math.ceil((188 * 125 * 16) / 3)));
+  expect(many[0]).toMatchObject({ id: 999, level: 0 });
+  expect(many.reduce((sum, one) => sum + one.bytes, 0)).toBeLessThanOrEqual(100e6);
+  const few = wantedPictures([700, 150, 300, 180, 5000].map((size, id) => ({ image: image(id), size })), 100e6);
+  expect(few.map((one) => [one.id, one.level])).toEqual([[4, 2], [0, 2], [2, 1], [3, 0]]);
+  const tight = wantedPictures([700, 300, 180].map((size, id) => ({ image: image(id), size })), 0.8e6);
+  expect(tight.map((one) => [one.id, one.level])).toEqual([[0, 1], [1, 0], [2, 0]]);
 });
 
 test("standard deviations are kept to a fortieth", () => {

@@ -7,12 +7,12 @@ import {
 
 import type { CloudRegion, ControlPoint, ImageInfo } from "../../lib/types";
 import type { CloudHeader, CloudNode } from "./cloud_file";
-import type { PickedPoint, Spread } from "./messages";
+import type { PickedPoint, PickRay, PlacedPoint, Spread } from "./messages";
 import { Overlay, showControl } from "./overlays";
 import { CloudPoints } from "./points";
 import { type Pyramid, Pyramids, pyramidHeight, pyramidsOf } from "./pyramids";
 import { type Colouring, colourings, shadingMaterial } from "./shaders";
-import { sum, type Triple, Viewpoint } from "./viewpoint";
+import { dot, sum, type Triple, Viewpoint } from "./viewpoint";
 
 ColorManagement.enabled = false;
 
@@ -20,6 +20,7 @@ ColorManagement.enabled = false;
 const movingMs = 250;
 const movingFrameMs = 80;
 const pickPixels = 6; // how far from the pointer a point may lie
+const pointingPixels = 1; // how well a person points: standard deviation of each coordinate
 
 export class Stage {
   header = $state.raw<CloudHeader | undefined>();
@@ -38,6 +39,8 @@ export class Stage {
   /** Whose view is looked through. */
   through = $state.raw<Pyramid | undefined>();
   isParallel = $state(false);
+  /** All that was asked for is loaded and drawn. */
+  rests = $state(false);
   /** Where the pointer is on the canvas; nothing: elsewhere. */
   pointer: [number, number] | undefined;
   readonly view = new Viewpoint();
@@ -190,6 +193,7 @@ export class Stage {
   }
 
   redraw(): void {
+    this.rests = false;
     if (!this.#frame && !this.#disposed && this.#isReady) this.#frame = requestAnimationFrame(() => this.#next());
   }
 
@@ -208,6 +212,17 @@ export class Stage {
     this.#fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0) ?? undefined;
     gl.flush();
     if (this.#isMoving) setTimeout(() => this.redraw(), movingMs + 20); // all points when the view stands still
+    else if (!this.points.isBusy) this.#look();
+  }
+
+  /** Until the GPU has drawn the last frame. */
+  #look(): void {
+    requestAnimationFrame(() => {
+      const gl = this.#renderer.getContext() as WebGL2RenderingContext;
+      if (this.#frame || this.#disposed || this.rests) return;
+      if (this.#fence && gl.getSyncParameter(this.#fence, gl.SYNC_STATUS) !== gl.SIGNALED && !gl.isContextLost()) return this.#look();
+      this.rests = true;
+    });
   }
 
   get #isMoving(): boolean {
@@ -230,14 +245,27 @@ export class Stage {
     return this.view.ray(...this.#unit(x, y), this.#size[0] / this.#size[1]);
   }
 
+  /** The view ray of a pixel, with how far from it points may lie. */
+  #pickRay(x: number, y: number): PickRay {
+    const { origin, direction } = this.ray(x, y);
+    const slope = this.view.isParallel ? 0 : (pickPixels * this.#perPixel) / this.view.distance;
+    return { origin: sum(origin, this.origin), direction, slope, radius_m: this.view.isParallel ? pickPixels * this.#perPixel : 0 };
+  }
+  /** Metres of a pixel at the target. */
+  get #perPixel(): number {
+    return (2 * this.view.halfHeight) / this.#size[1];
+  }
+
   /** The point of the cloud at a pixel of the canvas. */
   async pick(x: number, y: number): Promise<PickedPoint | undefined> {
-    if (!this.points.header) return undefined;
-    const { origin, direction } = this.ray(x, y);
-    const perPixel = (2 * this.view.halfHeight) / this.#size[1];
-    const slope = this.view.isParallel ? 0 : (pickPixels * perPixel) / this.view.distance;
-    const ray = { origin: sum(origin, this.origin), direction, slope, radius_m: this.view.isParallel ? pickPixels * perPixel : 0 };
-    return (await this.points.pick(ray)) ?? undefined;
+    return this.points.header ? ((await this.points.pick(this.#pickRay(x, y))) ?? undefined) : undefined;
+  }
+
+  /** The place that a click there means: on the surface of the points about it. */
+  async place(x: number, y: number, point: PickedPoint): Promise<PlacedPoint | undefined> {
+    const ray = this.#pickRay(x, y);
+    const away = this.view.isParallel ? this.view.distance : dot(sum(point.at, ray.origin, -1), ray.direction);
+    return (await this.points.place(ray, (pointingPixels * this.#perPixel * away) / this.view.distance)) ?? undefined;
   }
 
   /** What a pixel of the canvas shows; where no point lies the plane through the target. */
@@ -257,6 +285,7 @@ export class Stage {
   }
 
   choose(pyramid: Pyramid | undefined): void {
+    if (this.chosen === pyramid) return;
     this.chosen = pyramid;
     this.pyramids.choose(pyramid?.image.id);
     this.redraw();
@@ -359,8 +388,14 @@ export class Stage {
     this.#renderer.render(this.#screenScene, camera);
   }
 
+  /** How large the base of a pyramid is on the screen [px]; 0: it is not in view. */
   #pyramidSize(one: Pyramid): number {
-    const [a, b] = [this.pixelOf(one.corners[0]), this.pixelOf(one.corners[2])];
-    return a && b ? Math.hypot(a[0] - b[0], a[1] - b[1]) : 0;
+    const side = Math.hypot(...sum(one.corners[0], one.corners[2], -1));
+    if (this.#pixelsOf(side / 2, one.corners[0]) < 1) return 0; // too far away to be worth more
+    const base = one.corners.map((corner) => this.pixelOf(corner));
+    const [a, b] = [base[0], base[2]];
+    if (!a || !b) return 0;
+    const isBeyond = ([0, 1] as const).some((axis) => base.every((at) => at && at[axis] < 0) || base.every((at) => at && at[axis] > this.#size[axis]));
+    return isBeyond ? 0 : Math.hypot(a[0] - b[0], a[1] - b[1]);
   }
 }

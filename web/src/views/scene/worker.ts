@@ -4,9 +4,11 @@ import createLazPerf from "laz-perf/lib/worker/laz-perf.js";
 import wasm from "laz-perf/lib/worker/laz-perf.wasm?url";
 
 import type { CloudRegion } from "../../lib/types";
+import { type Neighbour, placedBy } from "./corner";
 import { type CloudHeader, type CloudNode, cloudHeader, headBytes, hierarchyPage, tree } from "./cloud_file";
-import { type FromWorker, type LoadedNode, type PickRay, type PickedPoint, sigmaCode, type Spread, type ToWorker } from "./messages";
+import { type FromWorker, type LoadedNode, type PickRay, type PickedPoint, type PlacedPoint, sigmaCode, type Spread, type ToWorker } from "./messages";
 import { editedClass } from "./regions";
+import type { Triple } from "./viewpoint";
 
 /** What is kept of a node: exact coordinates, and all that edits and picks want. */
 interface Held {
@@ -176,12 +178,14 @@ function next(): void {
 }
 
 function reapply(): void {
-  if (!header) return;
-  for (const [node, one] of held) {
-    applyEdits(header, one);
-    const { colours, traits } = painted(one);
-    say({ edited: node, colours, traits }, [colours.buffer, traits.buffer]);
-  }
+  const head = header;
+  if (head)
+    for (const [node, one] of held) {
+      applyEdits(head, one);
+      const { colours, traits } = painted(one);
+      say({ edited: node, colours, traits }, [colours.buffer, traits.buffer]);
+    }
+  say({ applied: true });
 }
 
 /** The point nearest to the ray in its cone; one that is eight radii farther away loses against the rim. */
@@ -214,6 +218,33 @@ function picked(head: CloudHeader, ray: PickRay, among: number[]): PickedPoint |
   };
 }
 
+/** Points about a place, the nearest first: enough to know the surface by. */
+function neighboursOf(head: CloudHeader, place: Triple, reach: number, among: number[]): Neighbour[] {
+  const { scale, offset } = head;
+  const [least, most] = [48, 96];
+  for (let [radius, turn] = [reach / 2, 0]; ; radius *= 2, ++turn) {
+    const found: (Neighbour & { away: number })[] = [];
+    for (const index of among) {
+      const [one, node] = [held.get(index), nodes[index]];
+      if (!one || !node || node.centre.some((along, axis) => Math.abs(along - (place[axis] as number)) > node.half + radius)) continue;
+      for (let i = 0; i < one.now.length; ++i) {
+        if ((one.now[i] as number) < 0) continue;
+        const at: Triple = [offset[0] + scale[0] * (one.cells[3 * i] as number), offset[1] + scale[1] * (one.cells[3 * i + 1] as number), offset[2] + scale[2] * (one.cells[3 * i + 2] as number)];
+        const away = Math.hypot(at[0] - place[0], at[1] - place[1], at[2] - place[2]);
+        if (away < radius) found.push({ at, sigma_m: one.sigmas[i] as number, away });
+      }
+    }
+    if (found.length >= least || turn === 6) return found.sort((a, b) => a.away - b.away).slice(0, most);
+  }
+}
+
+function placed(head: CloudHeader, ray: PickRay, among: number[], pointing_m: number): PlacedPoint | null {
+  const point = picked(head, ray, among);
+  if (!point) return null;
+  const along = point.at.reduce((sum, value, axis) => sum + (value - (ray.origin[axis] as number)) * (ray.direction[axis] as number), 0);
+  return placedBy(ray, point, neighboursOf(head, point.at, ray.radius_m + ray.slope * along, among), pointing_m);
+}
+
 function meets(ray: PickRay, node: CloudNode): boolean {
   const by = node.centre.map((along, axis) => along - (ray.origin[axis] as number)) as [number, number, number];
   const along = by.reduce((sum, one, axis) => sum + one * (ray.direction[axis] as number), 0);
@@ -243,6 +274,7 @@ self.onmessage = (event: MessageEvent<ToWorker>): void => {
     regions = message.regions;
     reapply();
   } else if (header) {
-    say({ picked: picked(header, message.pick, message.among), ask: message.ask });
+    const { pick, among, ask, pointing_m } = message;
+    say({ picked: pointing_m === undefined ? picked(header, pick, among) : placed(header, pick, among, pointing_m), ask });
   }
 };

@@ -33,6 +33,15 @@ describe("devices", () => {
     expect(told).toEqual([0, 1, 0]);
     devices.dispose();
   });
+  it("is asked only where there is a device", () => {
+    let pads: (object | null)[] = [null];
+    vi.stubGlobal("navigator", { getGamepads: () => pads });
+    const devices = new Devices(() => {});
+    expect(devices.isThere).toBe(false);
+    pads = [null, { connected: true, axes: [], buttons: [] }];
+    expect(devices.isThere).toBe(true);
+    devices.dispose();
+  });
   it("reads the counts of a six-axis mouse", () => {
     expect(pushIn(report(350, -350, 350))).toEqual({ x: 1, y: -1, up: -1 });
     expect(pushIn(report(700, 0, 0))?.x).toBe(1);

@@ -45,10 +45,15 @@ export class Devices {
   #push: Push = { x: 0, y: 0, up: 0 };
   #buttons = 0;
   #pressed = 0;
+  #listened = 0;
   readonly #stop = new AbortController();
 
-  /** `press`: button 0, 1, .. of any device. */
-  constructor(readonly press: (button: number) => void) {
+  /** `press`: button 0, 1, .. of any device; `came`: there is a device that `push` is to be asked of. */
+  constructor(
+    readonly press: (button: number) => void,
+    readonly came: () => void = () => {},
+  ) {
+    globalThis.addEventListener?.("gamepadconnected", came, { signal: this.#stop.signal });
     void hidOf()?.getDevices().then((devices) => devices.forEach((one) => void this.#listen(one))).catch(() => {});
   }
 
@@ -57,6 +62,11 @@ export class Devices {
     const [device] = (await hidOf()?.requestDevice({ filters })) ?? [];
     if (device) await this.#listen(device);
     return device?.productName;
+  }
+
+  /** Whether there is anything to ask: browsers show a game pad once one of its buttons was pressed. */
+  get isThere(): boolean {
+    return this.#listened > 0 || [...(navigator.getGamepads?.() ?? [])].some((pad) => pad?.connected);
   }
 
   /** What is pushed now. */
@@ -81,6 +91,7 @@ export class Devices {
 
   async #listen(device: HidDevice): Promise<void> {
     if (!device.opened) await device.open();
+    ++this.#listened;
     device.addEventListener("inputreport", (event) => {
       const { reportId, data } = event as InputReport;
       if (reportId === 1) this.#push = pushIn(data) ?? this.#push;
@@ -89,6 +100,7 @@ export class Devices {
       this.#tell(buttons & ~this.#buttons);
       this.#buttons = buttons;
     }, { signal: this.#stop.signal });
+    this.came();
   }
 
   #tell(buttons: number): void {
