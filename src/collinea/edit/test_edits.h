@@ -162,10 +162,7 @@ inline std::string text_of(const EditedWork& work, const Block& setup) {
     ring(one.ring_m);
   }
   for (const DrawingLayer& one : work.drawing.layers) text += line_of(words_of(SetLayer{one})) + "; ";
-  for (const DrawnFeature& one : work.drawing.features) {
-    text += line_of(words_of(drawn_again(one))) + "; ";
-    for (const auto& [name, value] : one.attributes) text += name + "=" + value + "; ";
-  }
+  for (const DrawnFeature& one : work.drawing.features) text += line_of(words_of(drawn_again(one))) + "; ";
   for (const std::string& id : work.drawing.erased) text += "erased " + id + "; ";
   return text;
 }
