@@ -36,14 +36,20 @@ async function settled(page) {
 async function onScreen(page) {
   const box = await page.getByRole("application").boundingBox();
   const readout = page.locator(".readout");
+  const position = async () => [...(await readout.innerText()).matchAll(/[EN]\s+(\d+\.\d+)/g)].slice(0, 2).map((found) => Number(found[1])); // degrees follow
   const under = async (x, y) => {
-    await page.mouse.move(x, y);
-    const before = await readout.innerText();
     await page.mouse.move(x + 1, y);
-    await page.waitForFunction((text) => document.querySelector(".readout")?.textContent !== text, before).catch(() => {});
+    await isDrawn(page);
     await page.mouse.move(x, y);
-    await page.waitForTimeout(150);
-    return [...(await readout.innerText()).matchAll(/[EN]\s+(\d+\.\d+)/g)].map((found) => Number(found[1]));
+    let before = [];
+    for (let i = 0; i < 100; ++i) {
+      await isDrawn(page);
+      await page.waitForTimeout(50);
+      const now = await position();
+      if (now.length === 2 && now.join() === before.join()) return now; // it shows a position, and has come to rest
+      before = now;
+    }
+    throw new Error(`no position under the pointer at ${x}, ${y}: ${await readout.innerText()}`);
   };
   const [x0, y0, x1, y1] = [box.x + 0.2 * box.width, box.y + 0.2 * box.height, box.x + 0.8 * box.width, box.y + 0.8 * box.height];
   const [[e0, n0], [e1, n1]] = [await under(x0, y0), await under(x1, y1)];

@@ -39,8 +39,8 @@ struct ExportOptions {
     visit(Field{"format", &O::format, "", "what for"});
     visit(Field{"tile_m", &O::tile_m, "m",
                 "of a cloud: cut it into squares of the map so large, a file each; nothing: one file", 1e-6, 1e9});
-    visit(Field{"spacing_m", &O::spacing_m, "m",
-                "of a cloud: one point in each cube so large; nothing: all points", 1e-6, 1e6});
+    visit(Field{"spacing_m", &O::spacing_m, "m", "of a cloud: one point in each cube so large; nothing: all points",
+                1e-6, 1e6});
     visit(Field{"area", &O::area, "",
                 "of a cloud: only what lies within this outline: a file with easting and northing of its corners"}
               .leads_to(PathKind::kFile));
@@ -54,8 +54,8 @@ struct ExportOptions {
 /// (block.im, block.con) or BINGO (image.dat, geoin.dat, itera.dat), freed from distortion; tie points; or the dense
 /// cloud with the edits by hand that are in force, in the form asked for whatever the project's is: in the map (LAS,
 /// LAZ, COPC, text) or in the local frame (PLY), with `area` what lies in it, with `spacing_m` the first point of each
-/// cube (16 bytes of memory for each), with `tile_m` cut into squares of the map, one file each, listed in tiles.csv.
-/// Errors: not oriented yet, options, disk.
+/// cube (some 60 bytes of memory for each), with `tile_m` cut into squares of the map, one file each, listed in
+/// tiles.csv. Errors: not oriented yet, options, disk.
 [[nodiscard]] Result<> export_block(Project& project, const std::filesystem::path& folder,
                                     const ExportOptions& options);
 

@@ -558,7 +558,7 @@ TEST(Project, AnOrientationThatIsNotThereIsAnErrorBeforeAnythingIsMade) {
 TEST(Project, AStepThatDoesNotExistIsNamedBesideThoseThatDo) {
   const auto known = step_named("orthophoto");
   ASSERT_FALSE(known);
-  EXPECT_NE(known.error().message.find("surface, terrain, ortho, report"), std::string::npos) << known.error().message;
+  EXPECT_NE(known.error().message.find("surface, terrain, ortho, frames, report"), std::string::npos) << known.error().message;
   for (const Word<Step>& step : kStepWords) EXPECT_EQ(step_named(step.word), step.value) << step.word;
 }
 

@@ -93,6 +93,8 @@ Result<Project> create_project(const fs::path& folder, const Settings& settings,
     return fail(Errc::kNotFound, "orient: " + given->string() + " does not exist", {"orientation"_option});
   if (const auto& given = settings.ortho.seamlines; given && !is_there(*given))
     return fail(Errc::kNotFound, "ortho: " + given->string() + " does not exist", {"seamlines"_option});
+  if (const fs::path* given = settings.frames.frames.get<fs::path>(); given && !is_there(*given))
+    return fail(Errc::kNotFound, "frames: " + given->string() + " does not exist", {"frames"_option});
   fs::create_directories(folder, error);
   if (error) return fail(Errc::kBadInput, "cannot make " + folder.string() + ": " + error.message());
   COLLINEA_TRY(auto lock, ProjectLock::take(folder));

@@ -12,6 +12,7 @@
 #include "collinea/report/internal/counted.h"
 #include "collinea/report/internal/figures.h"
 #include "collinea/report/internal/pdf_page.h"
+#include "collinea/report/internal/svg.h"
 
 namespace collinea {
 namespace {
@@ -41,26 +42,15 @@ ElevationSheet sheet_at(double width_m, double height_m, double scale) {
   return {scale, width, height, ""};
 }
 
-// 1, 2 or 5 times a power of ten, not below `least`.
-double tidy_step(double least) {
-  const double unit = std::pow(10.0, std::floor(std::log10(least)));
-  for (const double times : {1, 2, 5})
-    if (times * unit >= least * (1 - 1e-9)) return times * unit;
-  return 10 * unit;
-}
-
-int decimals_of(double step) { return std::max(0, int(-std::floor(std::log10(step) + 1e-9))); }
-
 // Lines of equal coordinates, and what they are.
 void draw_grid(const MapGrid& grid, const Vector2d& corner, const Vector2d& size, double mm_per_m, PdfPage& page) {
-  const double step_m = tidy_step(kGrid_mm / mm_per_m);
-  const int decimals = decimals_of(step_m);
   const Vector2d low(grid.west_m, grid.north_m - grid.height * grid.cell_m);
+  const double step_m = round_above(kGrid_mm / mm_per_m);
   for (int axis = 0; axis < 2; ++axis) {
     const double high = low[axis] + size[axis] / mm_per_m;
-    for (auto k = std::int64_t(std::ceil(low[axis] / step_m - 1e-9)); double(k) * step_m <= high + 1e-9; ++k) {
-      const double at = corner[axis] + (double(k) * step_m - low[axis]) * mm_per_m;
-      const std::string label = fmt::format("{:.{}f}", double(k) * step_m, decimals);
+    for (const double value : multiples(step_m, low[axis], high)) {
+      const double at = corner[axis] + (value - low[axis]) * mm_per_m;
+      const std::string label = tick_text(value, step_m);
       if (axis == 0) {
         page.line({at, corner.y()}, {at, corner.y() + size.y()}, 0.1, 0.45);
         page.text({at, corner.y() - 1.4 * kText_mm}, kText_mm, label, TextAnchor::kMiddle);
@@ -74,16 +64,13 @@ void draw_grid(const MapGrid& grid, const Vector2d& corner, const Vector2d& size
 
 // Four parts, black and white in turn, to the left of a position.
 void draw_scale_bar(const Vector2d& end, double mm_per_m, const std::string& unit, PdfPage& page) {
-  const double part_m = tidy_step(10 / mm_per_m), part_mm = part_m * mm_per_m;
+  const double part_m = round_above(10 / mm_per_m), part_mm = part_m * mm_per_m;
   const Vector2d at = end - Vector2d(4 * part_mm + 6, 0);
-  const int decimals = decimals_of(part_m);
   for (int i = 0; i < 4; ++i) {
     page.rectangle(at + Vector2d(i * part_mm, 0), {part_mm, 2}, 0.15, i % 2 == 0);
-    page.text(at + Vector2d(i * part_mm, 3), kText_mm, fmt::format("{:.{}f}", i * part_m, decimals),
-              TextAnchor::kMiddle);
+    page.text(at + Vector2d(i * part_mm, 3), kText_mm, tick_text(i * part_m, part_m), TextAnchor::kMiddle);
   }
-  page.text(at + Vector2d(4 * part_mm, 3), kText_mm, fmt::format("{:.{}f} {}", 4 * part_m, decimals, unit),
-            TextAnchor::kMiddle);
+  page.text(at + Vector2d(4 * part_mm, 3), kText_mm, tick_text(4 * part_m, part_m) + " " + unit, TextAnchor::kMiddle);
 }
 
 std::vector<std::string> lines_of(const FrameRecord& frame, const std::string& unit) {
@@ -119,6 +106,10 @@ Result<double> write_elevation(const FrameRecord& frame, const std::filesystem::
   const MapGrid& grid = reader.grid();
   const double width_m = grid.width * grid.cell_m, height_m = grid.height * grid.cell_m;
   const ElevationSheet sheet = elevation_sheet(width_m, height_m, scale);
+  if (!sheet.fits_in_a_pdf())
+    return fail(Errc::kBadInput,
+                fmt::format("no sheet of {:.0f} x {:.0f} mm can be made", sheet.width_mm, sheet.height_mm),
+                {"scale"_option});
   const double mm_per_m = 1000 / sheet.scale;
   const Vector2d size(width_m * mm_per_m, height_m * mm_per_m);
   const std::string unit = is_metric ? "m" : "units";
@@ -126,7 +117,8 @@ Result<double> write_elevation(const FrameRecord& frame, const std::filesystem::
   COLLINEA_TRY(PdfPage page, PdfPage::create(sheet.width_mm, sheet.height_mm, title));
   const Vector2d room(sheet.width_mm - kLeft_mm - kRight_mm, sheet.height_mm - kTop_mm - kBottom_mm);
   const Vector2d corner = Vector2d(kLeft_mm, kBottom_mm) + (room - size) / 2;
-  COLLINEA_TRY(const Preview preview, preview_of_image(ortho, int(std::ceil(size.maxCoeff() * kPixels_per_mm))));
+  const int longest_px = std::min(std::max(grid.width, grid.height), int(std::ceil(size.maxCoeff() * kPixels_per_mm)));
+  COLLINEA_TRY(const Preview preview, preview_of_image(ortho, longest_px));
   page.image(preview.jpeg, corner, size);
   draw_grid(grid, corner, size, mm_per_m, page);
   page.rectangle(corner, size, 0.3);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -15,6 +16,9 @@ struct ElevationSheet {
   double scale = 0;                    ///< 50 for 1:50
   double width_mm = 0, height_mm = 0;  ///< of the paper
   std::string paper;                   ///< "A3"; empty: larger than A0
+
+  /// PDF has no larger pages than 14,400 points.
+  [[nodiscard]] bool fits_in_a_pdf() const { return std::max(width_mm, height_mm) <= 14400 * 25.4 / 72; }
 };
 
 /// The sheet for a drawing of so many metres. `scale`: nothing for the largest of the usual ones (1:1, 1:2, 1:5, 1:10,

@@ -30,6 +30,8 @@ TEST(Elevation, AScaleThatIsAskedForGetsThePaperItNeeds) {
   const ElevationSheet banner = elevation_sheet(100, 8, 20);
   EXPECT_EQ(banner.paper, "");
   EXPECT_GT(banner.width_mm, 5000);
+  EXPECT_TRUE(banner.fits_in_a_pdf());
+  EXPECT_FALSE(elevation_sheet(100, 8, 10).fits_in_a_pdf());
 }
 
 class Drawn : public testing::Test {

@@ -87,8 +87,8 @@ std::string words(const FramesRecord& r) {
   if (r.frames.empty()) return "no plane that two images see from the front";
   std::string text = counted(r.frames.size(), "plane");
   for (const FrameRecord& frame : r.frames)
-    text += fmt::format("{} {} {:.1f} x {:.1f} m", &frame == &r.frames.front() ? ":" : ",", frame.name, frame.width_m,
-                        frame.height_m);
+    text += fmt::format("{} {} {:.1f} x {:.1f} {}", &frame == &r.frames.front() ? ":" : ",", frame.name, frame.width_m,
+                        frame.height_m, r.metric ? "m" : "units");
   return text;
 }
 

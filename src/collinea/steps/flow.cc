@@ -29,12 +29,17 @@ struct StepRow {
   Result<StepOutput> (*work)(Project&, const std::string& inputs_hash);
   std::vector<Step> reads;            ///< earlier steps whose output it uses
   std::vector<const char*> products;  ///< files without which it is not done
-  bool reads_setup = false;           ///< control, map and position sigmas too: all that import left in the store
-  bool reads_sources = false;         ///< what import was given, with the remarks on it
-  bool reads_masks = false;           ///< of photographs
-  bool reads_patches = false;         ///< of the orthophoto
-  bool reads_points = false;          ///< which of the cloud people left
-  bool reads_classes = false;         ///< that people gave the cloud
+  /// Further ones, which follow from what was asked and made; null: none.
+  std::vector<std::string> (*more_products)(const Settings&, const StepOutcome&) = nullptr;
+  /// A file among its options; null: none may be.
+  std::optional<fs::path> (*given_file)(const Settings&) = nullptr;
+  std::vector<const char*> reads_options = {};  ///< of other steps
+  bool reads_setup = false;    ///< control, map and position sigmas too: all that import left in the store
+  bool reads_sources = false;  ///< what import was given, with the remarks on it
+  bool reads_masks = false;    ///< of photographs
+  bool reads_patches = false;  ///< of the orthophoto
+  bool reads_points = false;   ///< which of the cloud people left
+  bool reads_classes = false;  ///< that people gave the cloud
 
   [[nodiscard]] bool reads_work() const { return reads_masks || reads_patches || reads_points || reads_classes; }
 
@@ -42,7 +47,18 @@ struct StepRow {
 };
 
 constexpr const char* kCloud = "products/cloud.*";  // in the form asked for
-constexpr const char* kPly = "products/cloud.ply";  // where it is asked for
+
+std::vector<std::string> ply_asked_for(const Settings& settings, const StepOutcome&) {
+  return settings.densify.ply ? std::vector<std::string>{"products/cloud.ply"} : std::vector<std::string>{};
+}
+std::vector<std::string> files_of_planes(const Settings&, const StepOutcome& outcome) {
+  return frame_files(std::get<FramesRecord>(outcome));
+}
+std::optional<fs::path> given_seamlines(const Settings& settings) { return settings.ortho.seamlines; }
+std::optional<fs::path> given_planes(const Settings& settings) {
+  const fs::path* file = settings.frames.frames.get<fs::path>();
+  return file ? std::optional(*file) : std::nullopt;
+}
 
 // The only place that knows the order of work.
 const std::array<StepRow, std::size(kStepWords)>& steps() {
@@ -50,12 +66,21 @@ const std::array<StepRow, std::size(kStepWords)>& steps() {
       {Step::kImport, import_step, {}, {}},
       {.step = Step::kDetect, .work = detect_step, .reads = {Step::kImport}, .products = {}, .reads_masks = true},
       {Step::kMatch, match_step, {Step::kImport, Step::kDetect}, {}},
-      {Step::kOrient, orient_step, {Step::kImport, Step::kMatch}, {}, /*reads_setup=*/true},
-      {Step::kAdjust, adjust_step, {Step::kOrient}, {"adjustment/adjustment.html"}, /*reads_setup=*/true},
+      {.step = Step::kOrient,
+       .work = orient_step,
+       .reads = {Step::kImport, Step::kMatch},
+       .products = {},
+       .reads_setup = true},
+      {.step = Step::kAdjust,
+       .work = adjust_step,
+       .reads = {Step::kOrient},
+       .products = {"adjustment/adjustment.html"},
+       .reads_setup = true},
       {.step = Step::kDensify,
        .work = densify_step,
        .reads = {Step::kAdjust},
-       .products = {kCloud, kPly},
+       .products = {kCloud},
+       .more_products = ply_asked_for,
        .reads_masks = true},
       {.step = Step::kSurface,
        .work = surface_step,
@@ -73,21 +98,25 @@ const std::array<StepRow, std::size(kStepWords)>& steps() {
        .work = ortho_step,
        .reads = {Step::kAdjust, Step::kSurface, Step::kTerrain},
        .products = {"products/ortho.tif", "products/ortho_source.tif", "products/seamlines.gpkg"},
+       .given_file = given_seamlines,
        .reads_masks = true,
        .reads_patches = true},
       {.step = Step::kFrames,
        .work = frames_step,
        .reads = {Step::kAdjust, Step::kDensify},
        .products = {},
+       .more_products = files_of_planes,
+       .given_file = given_planes,
+       .reads_options = {"ortho"},
        .reads_masks = true,
        .reads_points = true},
-      {Step::kReport,
-       report_step,
-       {Step::kImport, Step::kDetect, Step::kMatch, Step::kOrient, Step::kAdjust, Step::kDensify, Step::kSurface,
-        Step::kTerrain, Step::kOrtho, Step::kFrames},
-       {"report/report.html", kHashesFile},
-       /*reads_setup=*/true,
-       /*reads_sources=*/true},
+      {.step = Step::kReport,
+       .work = report_step,
+       .reads = {Step::kImport, Step::kDetect, Step::kMatch, Step::kOrient, Step::kAdjust, Step::kDensify,
+                 Step::kSurface, Step::kTerrain, Step::kOrtho, Step::kFrames},
+       .products = {"report/report.html", kHashesFile},
+       .reads_setup = true,
+       .reads_sources = true},
   }};
   return all;
 }
@@ -110,10 +139,9 @@ Result<std::string> inputs_hash_of(const Project& project, const StepRow& step) 
   if (step.reads.empty()) hash.add(fingerprint_of_sources(project.settings.photos, project.settings.import));
   if (const auto& given = project.settings.orient.orientation; given && step.step == Step::kOrient)
     hash.add(fingerprint_of_orientation(*given));
-  if (const auto& given = project.settings.ortho.seamlines; given && step.step == Step::kOrtho)
+  for (const char* other : step.reads_options) hash.add(options_text(project.settings, other));
+  if (const auto given = step.given_file ? step.given_file(project.settings) : std::nullopt)
     hash.add(std::uint64_t{hash_of_file(*given).value_or(0)});
-  if (const auto* planes = project.settings.frames.frames.get<fs::path>(); planes && step.step == Step::kFrames)
-    hash.add(std::uint64_t{hash_of_file(*planes).value_or(0)});
   for (const Step earlier : step.reads) {
     COLLINEA_TRY(const auto record, project.store.read_step(std::string(word_of(earlier))));
     COLLINEA_CHECK(record.has_value());
@@ -135,15 +163,11 @@ fs::path product_path(const Project& project, const char* product) {
 
 bool products_exist(const Project& project, const StepRow& step, const StepRecord& record) {
   if (skipped_because(record.outcome)) return true;  // it left no product
-  if (const auto* made = std::get_if<FramesRecord>(&record.outcome))
-    return std::ranges::all_of(made->frames, [&](const FrameRecord& frame) {
-      return is_there(frames_folder(project.folder) / frame.name / "ortho.tif");
-    });
-  for (const char* product : step.products) {
-    if (product == kPly && !project.settings.densify.ply) continue;
+  for (const char* product : step.products)
     if (!is_there(product_path(project, product))) return false;
-  }
-  return true;
+  if (!step.more_products) return true;
+  return std::ranges::all_of(step.more_products(project.settings, record.outcome),
+                             [&](const std::string& product) { return is_there(project.folder / product); });
 }
 
 // What is recorded of the step. What another version of the program recorded counts as not done.

@@ -197,6 +197,18 @@ TEST_F(FacadeFlow, TheWallIsMappedAsTheGroundIs) {
   EXPECT_GT(double(within) / double(around.size()), 0.7);  // of 0.95: matching takes poses as exact
   EXPECT_LT(double(within) / double(around.size()), 0.995);
 
+  // What displaces the wall as a whole is told by the other sigmas, which hold what images and cameras add.
+  double mean_m = 0;
+  for (const double one : errors.of_distance) mean_m += one / double(errors.of_distance.size());
+  const Errors whole =
+      errors_of(wall, file("plane1", "dsm.tif"), file("plane1", "dsm_sigma.tif"), file("plane1", "dsm_state.tif"));
+  double added = 0;
+  for (std::size_t i = 0; i < whole.sigma_m.size(); ++i) {
+    EXPECT_GT(whole.sigma_m[i], errors.sigma_m[i]);
+    added += (std::pow(whole.sigma_m[i], 2) - std::pow(errors.sigma_m[i], 2)) / double(whole.sigma_m.size());
+  }
+  EXPECT_LT(std::abs(mean_m), 3 * std::sqrt(added));
+
   const std::vector<double> shifts = shifts_of(wall, file("plane1", "ortho.tif"));
   ASSERT_GT(shifts.size(), 100u);
   EXPECT_LT(rms(shifts), 1);
@@ -222,6 +234,28 @@ TEST_F(FacadeFlow, TheWallIsMappedAsTheGroundIs) {
   settings_.frames = {};
   mapped();
   EXPECT_EQ(hash_of_file(file("plane1", "elevation.pdf")).value(), drawing);
+
+  // So does another option of the orthophoto, a lost file, and another form of the cloud; it is the same again.
+  const auto surface = hash_of_file(file("plane1", "dsm.tif")).value();
+  const auto orthophoto = hash_of_file(file("plane1", "ortho.tif")).value();
+  settings_.ortho.feather_cells = 20;
+  log_.lines.clear();
+  mapped();
+  EXPECT_EQ(log_.steps_done(), (std::vector<std::string>{"ortho", "frames"}));
+  EXPECT_NE(hash_of_file(file("plane1", "ortho.tif")).value(), orthophoto);
+  settings_.ortho = {};
+  mapped();
+  for (const char* lost : {"dsm_sigma.tif", "elevation.pdf", "../frames.txt"}) {
+    fs::remove(file("plane1", lost));
+    mapped();
+    EXPECT_TRUE(is_there(file("plane1", lost))) << lost;
+  }
+  settings_.densify.cloud = LasForm::kLas;
+  mapped();
+  EXPECT_EQ(hash_of_file(file("plane1", "dsm.tif")).value(), surface);
+  EXPECT_EQ(hash_of_file(file("plane1", "ortho.tif")).value(), orthophoto);
+  ASSERT_TRUE(write_file(root_ / "mapped/products/frames/mine.txt", "notes"));
+  ASSERT_TRUE(write_file(file("plane1", "mine.txt"), "notes"));
 
   // A plane that is given.
   const Vector3d corners[] = {{-4, 0, 1}, {4, 0, 1}, {4, 0, 6}, {-4, 0, 6}};
@@ -249,9 +283,16 @@ TEST_F(FacadeFlow, TheWallIsMappedAsTheGroundIs) {
     ASSERT_FALSE(done) << wrong;
     EXPECT_NE(done.error().message.find(why), std::string::npos) << done.error().message;
   }
+  EXPECT_TRUE(is_there(file("front", "ortho.tif"))) << "a wrong file takes nothing away";
+  settings_.frames.frames = (root_ / "nowhere.txt").string();
+  const auto missing = create_project(root_ / "mapped", settings_, log_.run(2));
+  ASSERT_FALSE(missing);
+  EXPECT_NE(missing.error().message.find("nowhere.txt does not exist"), std::string::npos) << missing.error().message;
   settings_.frames.frames = FrameChoice::kMap;
   EXPECT_FALSE(mapped().looked_for);
-  EXPECT_FALSE(is_there(root_ / "mapped/products/frames"));
+  EXPECT_FALSE(is_there(file("front", "ortho.tif")));
+  EXPECT_TRUE(is_there(root_ / "mapped/products/frames/mine.txt")) << "what people put there stays";
+  EXPECT_TRUE(is_there(file("plane1", "mine.txt")));
 }
 
 }  // namespace

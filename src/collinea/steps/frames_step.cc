@@ -3,9 +3,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <numbers>
 
 #include "collinea/base/file.h"
+#include "collinea/base/hash.h"
 #include "collinea/base/memory.h"
 #include "collinea/edit/read_work.h"
 #include "collinea/io/number_rows.h"
@@ -37,30 +40,29 @@ struct Sample {
   std::vector<double> sigmas_m;
 };
 
-// Evenly taken: of more than are wanted every second is left out, again and again.
+// Which points are taken depends on where they lie alone, and they come in the order of their positions: the form of
+// the cloud's file, which sorts them, does not matter.
 Result<Sample> sample_of(const Project& project, const LocalFrame* frame) {
-  constexpr std::size_t kMost = 400'000;
+  constexpr double kMost = 400'000;
   COLLINEA_TRY(LeftPoints cloud, LeftPoints::open(project));
-  Sample sample;
-  std::uint64_t seen = 0, stride = 1;
+  const double part = std::min(1.0, kMost / double(std::max<std::uint64_t>(1, cloud.points_in_file())));
+  const auto highest = std::uint64_t(part * double(std::numeric_limits<std::uint32_t>::max()));
+  std::vector<std::pair<std::array<double, 3>, float>> taken;
   for (;;) {
     COLLINEA_TRY(const std::vector<CloudPoint> piece, cloud.next());
     if (piece.empty()) break;
     if (project.run.stopped()) return fail(Errc::kCancelled, "stopped");
     for (const CloudPoint& point : piece) {
-      if (seen++ % stride != 0) continue;
-      sample.points.push_back(point.position);
-      sample.sigmas_m.push_back(double(point.sigma_m));
+      const Vector3d& p = point.position;
+      if ((Hash().add(p.x()).add(p.y()).add(p.z()).value() >> 32) <= highest)
+        taken.push_back({{p.x(), p.y(), p.z()}, point.sigma_m});
     }
-    while (sample.points.size() > kMost) {
-      for (std::size_t i = 0; 2 * i < sample.points.size(); ++i) {
-        sample.points[i] = sample.points[2 * i];
-        sample.sigmas_m[i] = sample.sigmas_m[2 * i];
-      }
-      sample.points.resize((sample.points.size() + 1) / 2);
-      sample.sigmas_m.resize(sample.points.size());
-      stride *= 2;
-    }
+  }
+  std::ranges::sort(taken);
+  Sample sample;
+  for (const auto& [position, sigma_m] : taken) {
+    sample.points.emplace_back(position[0], position[1], position[2]);
+    sample.sigmas_m.push_back(double(sigma_m));
   }
   if (frame) frame->local_from_map(sample.points);
   return sample;
@@ -74,7 +76,7 @@ bool wants_planes(const FramesOptions& options, const Block& block) {
 
 // Planes of a file: three positions or more of each, on the map.
 Result<std::vector<ObjectFrame>> frames_of_file(const fs::path& path, const Block& block, const LocalFrame* frame,
-                                                double tolerance_m) {
+                                                double tolerance_m, const Vector3d& up) {
   COLLINEA_TRY(const std::string text, read_file(path));
   COLLINEA_TRY(const auto rows, parse_number_rows(text, true, 3, 3).map_error([&](Error e) {
     return std::move(e).within(path.string()).about("frames"_option);
@@ -93,15 +95,24 @@ Result<std::vector<ObjectFrame>> frames_of_file(const fs::path& path, const Bloc
       return fail(Errc::kBadInput, which + "a name is of letters, digits, - and _", {"frames"_option});
     const auto fit = fit_plane(points);
     if (!fit) return fail(Errc::kBadInput, which + "it needs three points that are not on a line", {"frames"_option});
-    ObjectFrame one = frame_of_plane(block, points, fit->middle, fit->normal, up_in_world(block));
+    ObjectFrame one = frame_of_plane(block, points, fit->middle, fit->normal, up);
     if (one.images.empty())
       return fail(Errc::kBadInput, which + "no two images see it from the front", {"frames"_option});
     one.name = name;
     one.area_m2 = one.extent_m.prod();
-    one.depth_m = std::max(5 * tolerance_m, 0.15 * one.extent_m.minCoeff());
+    one.depth_m = default_depth_m(one, tolerance_m);
     frames.push_back(std::move(one));
   }
   return frames;
+}
+
+// The same, upright as the walls among them stand.
+Result<std::vector<ObjectFrame>> frames_of_file(const fs::path& path, const Block& block, const LocalFrame* frame,
+                                                double tolerance_m) {
+  return frames_of_file(path, block, frame, tolerance_m, up_in_world(block))
+      .and_then([&](const std::vector<ObjectFrame>& frames) {
+        return frames_of_file(path, block, frame, tolerance_m, up_by_walls(block, frames));
+      });
 }
 
 Result<std::vector<ObjectFrame>> frames_of(const Project& project, const Block& block, const LocalFrame* frame) {
@@ -112,8 +123,7 @@ Result<std::vector<ObjectFrame>> frames_of(const Project& project, const Block& 
   if (const fs::path* file = options.frames.get<fs::path>()) {
     COLLINEA_TRY(frames, frames_of_file(*file, block, frame, tolerance_m));
   } else {
-    project.run.report("frames: planes", 0);
-    frames = find_object_frames(block, sample.points, {.tolerance_m = tolerance_m});
+    COLLINEA_TRY(frames, find_object_frames(block, sample.points, {.tolerance_m = tolerance_m}, project.run));
   }
   if (options.depth_m)
     for (ObjectFrame& one : frames) one.depth_m = *options.depth_m;
@@ -130,16 +140,25 @@ double pixel_on(const Block& block, const ObjectFrame& frame) {
   return median(sizes);
 }
 
-// What images and cameras make of distances from a plane, where tie points lie on it.
+// What images and cameras make of distances from a plane: at the tie points that lie on it, or where none was kept
+// there at the nearest ones before and behind it.
 std::vector<PositionSigma> sigmas_along_normal(const AdjustmentRecord& adjusted, const ObjectFrame& frame) {
-  std::vector<PositionSigma> sigmas;
+  constexpr std::size_t kNearest = 8;
   const Vector3d normal = frame.plane.world_from_plane.col(2);
+  std::vector<PositionSigma> on_it;
+  std::vector<std::pair<double, PositionSigma>> others;
   for (const PositionPrecision& at : adjusted.position_precision) {
     const Vector3d in_frame = frame.plane.in_plane(at.position_in_world);
+    const PositionSigma sigma{in_frame.x(), in_frame.y(), at.sigma_m(normal, adjusted.sigma_scale())};
     if (frame.holds(in_frame))
-      sigmas.push_back({in_frame.x(), in_frame.y(), at.sigma_m(normal, adjusted.sigma_scale())});
+      on_it.push_back(sigma);
+    else
+      others.emplace_back((in_frame - Vector3d(frame.extent_m.x() / 2, frame.extent_m.y() / 2, 0)).norm(), sigma);
   }
-  return sigmas;
+  if (!on_it.empty()) return on_it;
+  std::ranges::sort(others, {}, [](const auto& one) { return one.first; });
+  for (std::size_t i = 0; i < std::min(kNearest, others.size()); ++i) on_it.push_back(others[i].second);
+  return on_it;
 }
 
 PointSource points_of(LeftPoints& cloud, const LocalFrame* map, const ObjectFrame& frame) {
@@ -190,6 +209,7 @@ class FrameProducts {
     return FrameProducts(project, block, product_frame, adjusted, masks);
   }
   [[nodiscard]] const LocalFrame* map() const { return product_frame_.frame_or_null(); }
+  [[nodiscard]] bool is_metric() const { return product_frame_.metric; }
 
   Result<FrameRecord> make(const ObjectFrame& frame, const Run& run) const {
     FrameRecord record = location_of(frame, map());
@@ -230,7 +250,7 @@ class FrameProducts {
     const SurfaceCloud on_frame{.points = points_of(cloud, map(), frame),
                                 .gsd_m = pixel_m * product_frame_.matched_pixel_m / product_frame_.pixel_m,
                                 .position_sigmas = sigmas_along_normal(adjusted_, frame),
-                                .wkt = frame_wkt(frame)};
+                                .wkt = frame_wkt(frame, product_frame_.metric)};
     const DsmOptions options{.cell_m = project_.settings.frames.cell_m};
     COLLINEA_TRY(const DsmSummary summary, build_dsm(on_frame, files, project_.folder / "scratch", options, run));
     COLLINEA_TRY(write_hillshade(files.height, folder / "dsm_hillshade.tif", run));
@@ -269,17 +289,19 @@ class FrameProducts {
 
 Result<StepOutput> frames_step(Project& project, const std::string& inputs_hash) {
   COLLINEA_TRY(const Block block, project.store.read_orientation());
-  const fs::path folder = frames_folder(project.folder);
-  std::error_code error;
-  fs::remove_all(folder, error);  // planes of another search
   FramesRecord record{.looked_for = wants_planes(project.settings.frames, block)};
-  if (!record.looked_for) return StepOutput{inputs_hash, record};
+  if (!record.looked_for) {
+    COLLINEA_TRY(remove_frames(project.folder));
+    return StepOutput{inputs_hash, record};
+  }
   COLLINEA_TRY(const FrameProducts products, FrameProducts::of(project, block));
   COLLINEA_TRY(const std::vector<ObjectFrame> frames, frames_of(project, block, products.map()));
+  COLLINEA_TRY(remove_frames(project.folder));  // of another search
+  record.metric = products.is_metric();
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    project.run.say(fmt::format("frames: {} of {}: {}, {:.1f} x {:.1f} m, {} images", i + 1, frames.size(),
+    project.run.say(fmt::format("frames: {} of {}: {}, {:.1f} x {:.1f} {}, {} images", i + 1, frames.size(),
                                 frames[i].name, frames[i].extent_m.x(), frames[i].extent_m.y(),
-                                frames[i].images.size()));
+                                record.metric ? "m" : "units", frames[i].images.size()));
     auto made = products.make(frames[i], project.run);
     if (!made && made.error().code == Errc::kIllPosed) {
       project.run.say("note: " + frames[i].name + " is left out: " + made.error().message);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "collinea/cloud/las.h"
@@ -19,6 +20,9 @@ class LeftPoints {
     COLLINEA_TRY(std::vector<CloudRegion> regions, read_cloud_regions(project));
     return LeftPoints(std::move(reader), CloudEdits(regions_of_surface(std::move(regions))));
   }
+
+  /// Before any was removed.
+  [[nodiscard]] std::uint64_t points_in_file() const { return reader_.header().points; }
 
   /// The next piece; empty at the end.
   Result<std::vector<CloudPoint>> next() {

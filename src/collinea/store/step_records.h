@@ -246,7 +246,8 @@ struct AdjustmentRecord {
   std::map<ImageId, Eigen::Vector3d> rotation_sigma_rad;  ///< of small turns about these axes; with sigma0
   std::vector<Finding> findings;
 
-  /// What square roots of covariances by given sigmas are multiplied by, as sigma_scale(Adjusted).
+  /// What square roots of covariances by given sigmas are multiplied by: the rule of sigma_scale(Adjusted), whose
+  /// module lies above.
   [[nodiscard]] double sigma_scale() const { return redundancy > 0 && sigma0 > 1e-9 ? sigma0 : 1; }
 
   template <class Visit>
@@ -444,11 +445,13 @@ struct FrameRecord {
 struct FramesRecord {
   static constexpr std::string_view kStep = "frames";
   bool looked_for = false;  ///< false: the map shows it all
+  bool metric = false;      ///< lengths are metres; else units of the block
   std::vector<FrameRecord> frames;
 
   template <class Visit>
   static void fields(Visit&& visit) {
     visit("looked_for", &FramesRecord::looked_for);
+    visit("metric", &FramesRecord::metric);
     visit("frames", &FramesRecord::frames);
   }
 };

@@ -126,7 +126,8 @@ class Terrain {
   [[nodiscard]] std::optional<bool> said_of(const SurfacePiece& piece, int x, int y) const {
     if (!by_hand_) return std::nullopt;
     const MapGrid& grid = pieces_.grid();
-    return by_hand_({grid.east_of(piece.column + x), grid.north_of(piece.row + y), double(piece.height_m.at(x, y))});
+    return by_hand_(
+        {grid.east_of(piece.column + x + 0.5), grid.north_of(piece.row + y + 0.5), double(piece.height_m.at(x, y))});
   }
 
   [[nodiscard]] bool is_ground(const SurfacePiece& piece, int x, int y) const {

@@ -122,6 +122,8 @@ TEST_F(DtmOfAHouse, WhatPeopleSayOfTheGroundHolds) {
   const auto made = build_dtm(dsm_, dtm, {}, {}, [&](const Eigen::Vector3d& on_map) -> std::optional<bool> {
     const double x = (on_map.x() - 1000) / kCell, y = (2000 - on_map.y()) / kCell;
     EXPECT_NEAR(on_map.z(), 250, 12);
+    EXPECT_NEAR(x - std::floor(x), 0.5, 1e-6);  // the middles of cells are asked for
+    EXPECT_NEAR(y - std::floor(y), 0.5, 1e-6);
     if (is_house(int(x), int(y))) return true;
     if (is_hedge(x, y)) return false;
     return std::nullopt;

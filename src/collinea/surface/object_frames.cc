@@ -6,9 +6,9 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <utility>
 
+#include "collinea/base/parallel.h"
 #include "collinea/math/median.h"
 
 namespace collinea {
@@ -86,52 +86,59 @@ class PlaneSearch {
  public:
   PlaneSearch(std::span<const Vector3d> points, const FrameSearch& search) : points_(points), search_(search) {
     const auto [low, high] = bounds_of_most(points, 0.05);
+    origin_ = low;
     side_m_ = std::max((high - low).maxCoeff() / kVoxels, 2 * search.tolerance_m);
-    gather(low);
+    gather();
   }
 
-  // The plane most voxels lie on, its points; nothing when no voxel has a normal any more.
+  // A plane, from the origin of the search, and the voxels that lie on it.
   struct Found {
     Plane plane;
     std::vector<std::size_t> voxels;
     double area_m2;
   };
-  std::optional<Found> next() {
+  // The largest one; nothing when no voxel has a normal any more, or the run was stopped.
+  std::optional<Found> next(const Run& run) {
     std::vector<std::size_t> seeds;
     for (std::size_t i = 0; i < voxels_.size(); ++i)
       if (!voxels_[i].taken && voxels_[i].normal) seeds.push_back(i);
     const std::size_t step = 1 + seeds.size() / kSeeds;
-    std::optional<Found> best;
-    for (std::size_t i = 0; i < seeds.size(); i += step) {
-      auto found = grown(seeds[i]);
-      if (found && (!best || found->area_m2 > best->area_m2)) best = std::move(found);
-    }
-    if (best)
-      for (const std::size_t voxel : best->voxels) voxels_[voxel].taken = true;
+    std::vector<double> areas((seeds.size() + step - 1) / step);
+    parallel_for(run, areas.size(), [&](std::size_t i) {
+      if (const auto found = grown(seeds[i * step])) areas[i] = found->area_m2;
+    });
+    const auto largest = std::ranges::max_element(areas);
+    if (run.stopped() || largest == areas.end() || *largest == 0) return std::nullopt;
+    auto best = grown(seeds[std::size_t(largest - areas.begin()) * step]);
+    for (const std::size_t voxel : best->voxels) voxels_[voxel].taken = true;
     return best;
   }
 
-  // The points of a plane that was found.
+  [[nodiscard]] Vector3d middle_in_world(const Found& found) const { return found.plane.middle + origin_; }
+
+  // The points of a plane that was found, in the world.
   [[nodiscard]] std::vector<Vector3d> points_of(const Found& found) const {
     std::vector<char> is_of(voxels_.size());
     for (const std::size_t voxel : found.voxels) is_of[voxel] = 1;
     std::vector<Vector3d> all;
     for (std::size_t i = 0; i < points_.size(); ++i)
       if (voxel_of_[i] >= 0 && is_of[std::size_t(voxel_of_[i])] &&
-          found.plane.distance(points_[i]) <= search_.tolerance_m)
+          found.plane.distance(points_[i] - origin_) <= search_.tolerance_m)
         all.push_back(points_[i]);
     return all;
   }
 
  private:
-  void gather(const Vector3d& low) {
+  void gather() {
     std::map<Cell, std::size_t> number;  // sorted: the same for any order of the points
     voxel_of_.assign(points_.size(), -1);
     const auto cell_of = [&](const Vector3d& p) {
-      const Vector3d at = (p - low) / side_m_;
+      const Vector3d at = (p - origin_) / side_m_;
       return Cell{int(std::floor(at.x())), int(std::floor(at.y())), int(std::floor(at.z()))};
     };
-    const auto is_near = [&](const Vector3d& p) { return ((p - low) / side_m_).cwiseAbs().maxCoeff() < 8 * kVoxels; };
+    const auto is_near = [&](const Vector3d& p) {
+      return ((p - origin_) / side_m_).cwiseAbs().maxCoeff() < 8 * kVoxels;
+    };
     for (const Vector3d& p : points_)
       if (is_near(p)) number.emplace(cell_of(p), 0);
     for (auto& [cell, index] : number) {
@@ -142,19 +149,26 @@ class PlaneSearch {
       if (!is_near(points_[i])) continue;
       const std::size_t voxel = number.at(cell_of(points_[i]));
       voxel_of_[i] = std::int32_t(voxel);
-      voxels_[voxel].moments.add(points_[i] - low);
+      voxels_[voxel].moments.add(points_[i] - origin_);
     }
     for (Voxel& voxel : voxels_) {
-      // Sums are taken near the points: their squares would lose digits far from the origin.
-      const Vector3d sum = voxel.moments.sum;
-      const double n = voxel.moments.count;
-      voxel.moments.squares += sum * low.transpose() + low * sum.transpose() + n * low * low.transpose();
-      voxel.moments.sum += n * low;
-      if (std::size_t(n) < kLeastPoints) continue;
+      if (std::size_t(voxel.moments.count) < kLeastPoints) continue;
       const Plane plane(voxel.moments);
       if (plane.rms_m <= search_.tolerance_m && 2 * plane.rms_m < plane.width_m) voxel.normal = plane.normal;
     }
-    number_ = std::move(number);
+    find_neighbours(number);
+  }
+
+  void find_neighbours(const std::map<Cell, std::size_t>& number) {
+    neighbours_.resize(voxels_.size());
+    for (std::size_t i = 0; i < voxels_.size(); ++i)
+      for (int x = -1; x <= 1; ++x)
+        for (int y = -1; y <= 1; ++y)
+          for (int z = -1; z <= 1; ++z) {
+            const Cell& at = voxels_[i].cell;
+            const auto found = number.find({at[0] + x, at[1] + y, at[2] + z});
+            if (found != number.end() && found->second != i) neighbours_[i].push_back(std::uint32_t(found->second));
+          }
   }
 
   // From a voxel outwards: the nearer to the end, the less voxels may lie off.
@@ -193,25 +207,15 @@ class PlaneSearch {
       std::vector<std::size_t> one = {first};
       piece[first] = ++pieces;
       for (std::size_t k = 0; k < one.size(); ++k)
-        for_neighbours(one[k], [&](std::size_t next) {
-          if (piece[next] != 0) return;
+        for (const std::uint32_t next : neighbours_[one[k]]) {
+          if (piece[next] != 0) continue;
           piece[next] = pieces;
           one.push_back(next);
-        });
+        }
       if (one.size() > largest.size()) largest = std::move(one);
     }
     std::ranges::sort(largest);
     return largest;
-  }
-
-  template <class Visit>
-  void for_neighbours(std::size_t voxel, const Visit& visit) const {
-    const Cell& at = voxels_[voxel].cell;
-    for (int x = -1; x <= 1; ++x)
-      for (int y = -1; y <= 1; ++y)
-        for (int z = -1; z <= 1; ++z)
-          if (const auto found = number_.find({at[0] + x, at[1] + y, at[2] + z}); found != number_.end())
-            visit(found->second);
   }
 
   // Squares of the plane, as large as a voxel's side, in which voxels lie.
@@ -228,20 +232,12 @@ class PlaneSearch {
 
   std::span<const Vector3d> points_;
   const FrameSearch& search_;
+  Vector3d origin_ = Vector3d::Zero();  // of moments and planes: near the points, so that squares keep their digits
   double side_m_ = 0;
   std::vector<Voxel> voxels_;
-  std::map<Cell, std::size_t> number_;
-  std::vector<std::int32_t> voxel_of_;  // of each point; -1: far from most
+  std::vector<std::vector<std::uint32_t>> neighbours_;  // of each voxel: those that touch it
+  std::vector<std::int32_t> voxel_of_;                  // of each point; -1: far from most
 };
-
-// Evenly, some of the points.
-std::vector<Vector3d> some_of(std::span<const Vector3d> points) {
-  constexpr std::size_t kLookedAt = 100;
-  std::vector<Vector3d> some;
-  const std::size_t step = 1 + points.size() / kLookedAt;
-  for (std::size_t i = 0; i < points.size(); i += step) some.push_back(points[i]);
-  return some;
-}
 
 struct Seen {
   double front = 0, back = 0;  // how large points of the plane are in an image, from either side
@@ -262,14 +258,10 @@ Seen seen_by(const Block& block, const OrientedImage& image, std::span<const Vec
   return seen;
 }
 
-double depth_of(const ObjectFrame& frame, const FrameSearch& search) {
-  return std::max(5 * search.tolerance_m, 0.15 * frame.extent_m.minCoeff());
-}
-
 // Windows of a wall, its cornices: planes that face as a larger one does and stand within its depth.
-bool is_shown_by(const ObjectFrame& larger, std::span<const Vector3d> points, const Vector3d& normal) {
+bool is_shown_by(const ObjectFrame& larger, std::span<const Vector3d> points, const ObjectFrame& frame) {
   constexpr double kMost = 0.8;  // of the points
-  if (std::abs(larger.plane.world_from_plane.col(2).dot(normal)) < kNearlyUp) return false;
+  if (larger.plane.world_from_plane.col(2).dot(frame.plane.world_from_plane.col(2)) < kNearlyUp) return false;
   const auto inside =
       std::ranges::count_if(points, [&](const Vector3d& p) { return larger.holds(larger.plane.in_plane(p)); });
   return double(inside) >= kMost * double(points.size());
@@ -311,28 +303,23 @@ Vector3d up_by_walls(const Block& block, std::span<const ObjectFrame> frames) {
   return found.dot(up) < 0 ? Vector3d(-found) : found;
 }
 
-ObjectFrame frame_of_plane(const Block& block, std::span<const Vector3d> points, const Vector3d& middle,
-                           const Vector3d& normal_in_world, const Vector3d& up) {
-  const std::vector<Vector3d> some = some_of(points);
-  const std::vector<OrientedImage> images = oriented_images(block);
-  Vector3d normal = normal_in_world.normalized();
-  double from_front = 0;
-  for (const OrientedImage& image : images) {
-    const Seen seen = seen_by(block, image, some, normal);
-    from_front += seen.front - seen.back;
-  }
-  if (from_front < 0) normal = -normal;
+double default_depth_m(const ObjectFrame& frame, double tolerance_m) {
+  return std::max(5 * tolerance_m, 0.15 * frame.extent_m.minCoeff());
+}
+
+namespace {
+
+// The part of a plane that holds points.
+ObjectFrame bounded_frame(std::span<const Vector3d> points, const Vector3d& middle, const Vector3d& normal,
+                          const Vector3d& up) {
   ObjectFrame frame{.plane = framed_plane(middle, normal, up), .points = points.size()};
-  for (const OrientedImage& image : images)
-    if (seen_by(block, image, some, normal).frontal > 0) frame.images.push_back(image.image);
-  if (frame.images.size() < 2) frame.images.clear();
+  if (points.empty()) return frame;
   std::vector<Vector3d> in_plane;
   double squares = 0;
   for (const Vector3d& p : points) {
     in_plane.push_back(frame.plane.in_plane(p));
     squares += std::pow(in_plane.back().z(), 2);
   }
-  if (points.empty()) return frame;
   frame.rms_m = std::sqrt(squares / double(points.size()));
   const auto [low, high] = bounds_of_most(in_plane, kOutside);
   const Vector2d wider = kWider * (high - low).head<2>();
@@ -341,36 +328,71 @@ ObjectFrame frame_of_plane(const Block& block, std::span<const Vector3d> points,
   return frame;
 }
 
-std::vector<ObjectFrame> find_object_frames(const Block& block, std::span<const Vector3d> points,
-                                            const FrameSearch& search) {
+// Points all over a frame.
+std::vector<Vector3d> lattice_on(const ObjectFrame& frame) {
+  constexpr int kAlong = 12;
+  std::vector<Vector3d> points;
+  for (int i = 0; i < kAlong; ++i)
+    for (int k = 0; k < kAlong; ++k) {
+      const Vector2d at = Vector2d(i + 0.5, k + 0.5).cwiseProduct(frame.extent_m) / kAlong;
+      points.push_back(frame.plane.origin_in_world + frame.plane.world_from_plane.leftCols<2>() * at);
+    }
+  return points;
+}
+
+}  // namespace
+
+ObjectFrame frame_of_plane(const Block& block, std::span<const Vector3d> points, const Vector3d& middle,
+                           const Vector3d& normal_in_world, const Vector3d& up) {
+  const std::vector<OrientedImage> images = oriented_images(block);
+  const Vector3d normal = normal_in_world.normalized();
+  ObjectFrame frame = bounded_frame(points, middle, normal, up);
+  const std::vector<Vector3d> shown = lattice_on(frame);
+  double from_front = 0;
+  for (const OrientedImage& image : images) {
+    const Seen seen = seen_by(block, image, shown, normal);
+    from_front += seen.front - seen.back;
+  }
+  if (from_front < 0) frame = bounded_frame(points, middle, -normal, up);
+  const Vector3d front = frame.plane.world_from_plane.col(2);
+  for (const OrientedImage& image : images)
+    if (seen_by(block, image, shown, front).frontal > 0) frame.images.push_back(image.image);
+  if (frame.images.size() < 2) frame.images.clear();
+  return frame;
+}
+
+Result<std::vector<ObjectFrame>> find_object_frames(const Block& block, std::span<const Vector3d> points,
+                                                    const FrameSearch& search, const Run& run) {
   std::vector<ObjectFrame> frames;
   if (points.size() < 3 || !(search.tolerance_m > 0)) return frames;
-  constexpr std::size_t kMostTried = 100;
+  constexpr std::size_t kMostTried = 40;
   const Vector3d up = up_in_world(block);
   PlaneSearch planes(points, search);
-  std::vector<std::pair<PlaneSearch::Found, ObjectFrame>> found;
-  for (std::size_t tried = 0; tried < kMostTried && found.size() < search.most; ++tried) {
-    auto next = planes.next();
-    if (!next || (!found.empty() && next->area_m2 < search.least_part * found.front().second.area_m2)) break;
+  std::vector<PlaneSearch::Found> found;  // of the frames
+  for (std::size_t tried = 0; tried < kMostTried && frames.size() < search.most; ++tried) {
+    run.report("frames: planes", double(tried) / kMostTried);
+    auto next = planes.next(run);
+    if (run.stopped()) return fail(Errc::kCancelled, "stopped");
+    if (!next || (!frames.empty() && next->area_m2 < search.least_part * frames.front().area_m2)) break;
     if (std::abs(next->plane.normal.dot(up)) > kNearlyUp) continue;
     const std::vector<Vector3d> its = planes.points_of(*next);
-    if (std::ranges::any_of(found, [&](const auto& one) { return is_shown_by(one.second, its, next->plane.normal); }))
-      continue;
-    ObjectFrame frame = frame_of_plane(block, its, next->plane.middle, next->plane.normal, up);
+    ObjectFrame frame = frame_of_plane(block, its, planes.middle_in_world(*next), next->plane.normal, up);
     if (frame.images.empty()) continue;
+    if (std::ranges::any_of(frames, [&](const ObjectFrame& larger) { return is_shown_by(larger, its, frame); }))
+      continue;
     frame.area_m2 = next->area_m2;
-    frame.depth_m = depth_of(frame, search);
-    found.emplace_back(*std::move(next), std::move(frame));
+    frame.depth_m = default_depth_m(frame, search.tolerance_m);
+    frames.push_back(std::move(frame));
+    found.push_back(*std::move(next));
   }
-  for (const auto& [plane, frame] : found) frames.push_back(frame);
   const Vector3d better_up = up_by_walls(block, frames);
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const PlaneSearch::Found& plane = found[i].first;
     const double area_m2 = frames[i].area_m2;
-    frames[i] = frame_of_plane(block, planes.points_of(plane), plane.plane.middle, plane.plane.normal, better_up);
+    frames[i] = frame_of_plane(block, planes.points_of(found[i]), planes.middle_in_world(found[i]),
+                               found[i].plane.normal, better_up);
     frames[i].area_m2 = area_m2;
     frames[i].name = "plane" + std::to_string(i + 1);
-    frames[i].depth_m = depth_of(frames[i], search);
+    frames[i].depth_m = default_depth_m(frames[i], search.tolerance_m);
   }
   return frames;
 }
@@ -384,8 +406,9 @@ Block block_in_frame(const Block& block, const ObjectFrame& frame) {
   return in_frame;
 }
 
-std::string frame_wkt(const ObjectFrame& frame) {
-  return "LOCAL_CS[\"" + frame.name + R"(",UNIT["metre",1],AXIS["x",EAST],AXIS["y",NORTH]])";
+std::string frame_wkt(const ObjectFrame& frame, bool is_metric) {
+  return "LOCAL_CS[\"" + frame.name + "\",UNIT[\"" + (is_metric ? "metre" : "unknown") +
+         R"(",1],AXIS["x",EAST],AXIS["y",NORTH]])";
 }
 
 }  // namespace collinea

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "collinea/base/result.h"
+#include "collinea/base/run.h"
 #include "collinea/block/block.h"
 #include "collinea/geometry/plane.h"
 
@@ -52,10 +54,14 @@ struct FrameSearch {
 /// where the block has a location on Earth, it stays.
 [[nodiscard]] Eigen::Vector3d up_by_walls(const Block& block, std::span<const ObjectFrame> frames);
 
-/// The frame of a plane: its front is the side from which the images show its points larger (nothing tells what hides
-/// them: those behind a wall look through it), the extent holds all points but one in two hundred on each side.
-/// `normal_in_world`: to either side. Frames that fewer than two images see within 65 degrees of the normal have no
-/// images.
+/// What is shown before and behind a plane where nothing else is asked for: five tolerances, or where that is more 15 %
+/// of the smaller extent.
+[[nodiscard]] double default_depth_m(const ObjectFrame& frame, double tolerance_m);
+
+/// The frame of a plane. The extent holds all `points` but one in two hundred on each side. The front is the side from
+/// which the images show what lies within the extent larger (nothing tells what hides it: those behind a wall look
+/// through it). `normal_in_world`: to either side. `images` are those that see some of the extent within 65 degrees of
+/// the normal; none where that is a single one.
 [[nodiscard]] ObjectFrame frame_of_plane(const Block& block, std::span<const Eigen::Vector3d> points,
                                          const Eigen::Vector3d& middle, const Eigen::Vector3d& normal_in_world,
                                          const Eigen::Vector3d& up);
@@ -66,15 +72,17 @@ struct FrameSearch {
 /// and the next is looked for. Left out are planes within 20 degrees of level (pavements: the map shows those), those
 /// that no two images see from the front, and those that face as a larger one does and stand within its depth
 /// (windows).
-/// Deterministic; the order of the points does not matter but for rounding.
-[[nodiscard]] std::vector<ObjectFrame> find_object_frames(const Block& block, std::span<const Eigen::Vector3d> points,
-                                                          const FrameSearch& search);
+/// Deterministic; the order of the points changes nothing but rounding. Error: stopped.
+[[nodiscard]] Result<std::vector<ObjectFrame>> find_object_frames(const Block& block,
+                                                                  std::span<const Eigen::Vector3d> points,
+                                                                  const FrameSearch& search, const Run& run);
 
 /// The block in the coordinates of a frame, without location on Earth: its images alone are oriented, and nothing but
 /// images, cameras and poses is there.
 [[nodiscard]] Block block_in_frame(const Block& block, const ObjectFrame& frame);
 
-/// WKT1 of the engineering CRS of a frame, for GeoTIFF and GeoPackage: metres, x to the right, y up.
-[[nodiscard]] std::string frame_wkt(const ObjectFrame& frame);
+/// WKT1 of the engineering CRS of a frame, for GeoTIFF and GeoPackage: x to the right, y up, in metres where the block
+/// has a scale.
+[[nodiscard]] std::string frame_wkt(const ObjectFrame& frame, bool is_metric);
 
 }  // namespace collinea

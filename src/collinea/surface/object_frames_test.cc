@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <stop_token>
 
 #include "collinea/math/random.h"
 
@@ -52,7 +53,7 @@ struct Corner {
     set_pose(block, id, cam_from_world);
   }
   [[nodiscard]] std::vector<ObjectFrame> frames() const {
-    return find_object_frames(block, points, {.tolerance_m = 0.1});
+    return find_object_frames(block, points, {.tolerance_m = 0.1}, {}).value();
   }
 };
 
@@ -99,17 +100,17 @@ TEST(ObjectFrames, WallsTellWhereUpIsBetterThanCameras) {
 
 TEST(ObjectFrames, NothingIsFoundWhereNoPlaneIs) {
   Corner corner;
-  EXPECT_TRUE(find_object_frames(corner.block, {}, {.tolerance_m = 0.1}).empty());
-  EXPECT_TRUE(find_object_frames(corner.block, corner.points, {.tolerance_m = 0}).empty());
+  EXPECT_TRUE(find_object_frames(corner.block, {}, {.tolerance_m = 0.1}, {})->empty());
+  EXPECT_TRUE(find_object_frames(corner.block, corner.points, {.tolerance_m = 0}, {})->empty());
   const std::vector<Vector3d> same(1000, Vector3d(1, 2, 3));
-  EXPECT_TRUE(find_object_frames(corner.block, same, {.tolerance_m = 0.1}).empty());
+  EXPECT_TRUE(find_object_frames(corner.block, same, {.tolerance_m = 0.1}, {})->empty());
   Random random(5);
   std::vector<Vector3d> ball;
   while (ball.size() < 20'000) {
     const Vector3d p(random.normal(), random.normal(), random.normal());
     ball.push_back(Vector3d(10, -4, 4) + 3 * p.normalized());
   }
-  for (const ObjectFrame& frame : find_object_frames(corner.block, ball, {.tolerance_m = 0.02}))
+  for (const ObjectFrame& frame : find_object_frames(corner.block, ball, {.tolerance_m = 0.02}, {}).value())
     EXPECT_LT(frame.area_m2, 5);  // of 113 m^2: what a ball has of a plane
   clear_poses(corner.block);
   EXPECT_TRUE(corner.frames().empty());  // nobody sees it
@@ -124,7 +125,46 @@ TEST(ObjectFrames, TheSamePointsInAnotherOrderGiveTheSame) {
   for (std::size_t i = 0; i < first.size(); ++i) {
     EXPECT_LT((first[i].plane.world_from_plane - second[i].plane.world_from_plane).norm(), 1e-9);
     EXPECT_LT((first[i].plane.origin_in_world - second[i].plane.origin_in_world).norm(), 1e-9);
+    EXPECT_LT((first[i].extent_m - second[i].extent_m).norm(), 1e-9);
+    EXPECT_EQ(first[i].points, second[i].points);
+    EXPECT_EQ(first[i].images, second[i].images);
   }
+}
+
+// A plane that is given by its corners is seen by images that show none of them.
+TEST(ObjectFrames, AnImageOfTheMiddleSeesALongWall) {
+  const Corner corner;
+  const std::vector<Vector3d> corners = {{-60, 0, -9}, {80, 0, -9}, {80, 0, 40}, {-60, 0, 40}};
+  for (const Vector3d& normal : {Vector3d(0, 1, 0), Vector3d(0, -1, 0)}) {
+    const ObjectFrame frame = frame_of_plane(corner.block, corners, {10, 0, 15}, normal, Vector3d::UnitZ());
+    EXPECT_GE(frame.images.size(), 6u);
+    EXPECT_LT(angle_deg(frame.plane.world_from_plane.col(2), -Vector3d::UnitY()), 1e-6);
+    EXPECT_LT(angle_deg(frame.plane.world_from_plane.col(0), Vector3d::UnitX()), 1e-6);
+  }
+}
+
+// The back of a wall is no window of its front, however thin the wall.
+TEST(ObjectFrames, AThinWallHasTwoFaces) {
+  Corner corner;
+  for (int i = 0; i < 6; ++i) corner.add_image(looking({2.0 + 3 * i, 12.4, 1.6}, {0, -1, 0.15}, 0));
+  std::erase_if(corner.points, [](const Vector3d& p) { return std::abs(p.y()) > 0.2; });
+  const std::size_t count = corner.points.size();
+  for (std::size_t i = 0; i < count; ++i) corner.points.push_back(corner.points[i] + Vector3d(0, 0.6, 0));
+  const auto frames = corner.frames();
+  ASSERT_EQ(frames.size(), 2u);
+  const Vector3d first = frames[0].plane.world_from_plane.col(2), second = frames[1].plane.world_from_plane.col(2);
+  EXPECT_LT(first.dot(second), -0.99);
+}
+
+TEST(ObjectFrames, TheSearchCanBeStopped) {
+  std::stop_source stop;
+  stop.request_stop();
+  collinea::Run run;  // not the one of the test
+  run.stop = stop.get_token();
+  const Corner corner;
+  const auto found = find_object_frames(corner.block, corner.points, {.tolerance_m = 0.1}, run);
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().code, Errc::kCancelled);
 }
 
 TEST(ObjectFrames, AnImageSeesAPointOfAFrameWhereItSawItInTheWorld) {

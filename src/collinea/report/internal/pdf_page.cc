@@ -4,9 +4,6 @@
 #include <fmt/format.h>
 #include <hpdf.h>
 
-#include <cmath>
-#include <numbers>
-
 namespace collinea {
 namespace {
 
@@ -94,8 +91,7 @@ void PdfPage::rectangle(const Eigen::Vector2d& corner, const Eigen::Vector2d& si
     HPDF_Page_Stroke(s.page);
 }
 
-void PdfPage::text(const Eigen::Vector2d& at, double size_mm, const std::string& text, TextAnchor anchor,
-                   double degrees) {
+void PdfPage::text(const Eigen::Vector2d& at, double size_mm, const std::string& text, TextAnchor anchor) {
   State& s = *state_;
   const std::string latin = latin_of(text);
   HPDF_Page_SetGrayFill(s.page, 0);
@@ -103,9 +99,7 @@ void PdfPage::text(const Eigen::Vector2d& at, double size_mm, const std::string&
   HPDF_Page_SetFontAndSize(s.page, s.font, points(size_mm));
   const double width = HPDF_Page_TextWidth(s.page, latin.c_str());
   const double before = anchor == TextAnchor::kStart ? 0 : anchor == TextAnchor::kMiddle ? width / 2 : width;
-  const double turn = degrees * std::numbers::pi / 180, c = std::cos(turn), sn = std::sin(turn);
-  HPDF_Page_SetTextMatrix(s.page, HPDF_REAL(c), HPDF_REAL(sn), HPDF_REAL(-sn), HPDF_REAL(c),
-                          HPDF_REAL(points(at.x()) - c * before), HPDF_REAL(points(at.y()) - sn * before));
+  HPDF_Page_MoveTextPos(s.page, HPDF_REAL(points(at.x()) - before), points(at.y()));
   HPDF_Page_ShowText(s.page, latin.c_str());
   HPDF_Page_EndText(s.page);
 }

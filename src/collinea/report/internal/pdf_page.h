@@ -21,9 +21,8 @@ class PdfPage {
 
   void line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double width_mm, double grey = 0);
   void rectangle(const Eigen::Vector2d& corner, const Eigen::Vector2d& size, double line_mm, bool filled = false);
-  /// In Helvetica; letters beyond Latin-1 become "?". `degrees`: turned about its position, against the clock.
-  void text(const Eigen::Vector2d& at, double size_mm, const std::string& text, TextAnchor anchor = TextAnchor::kStart,
-            double degrees = 0);
+  /// In Helvetica; letters beyond Latin-1 become "?".
+  void text(const Eigen::Vector2d& at, double size_mm, const std::string& text, TextAnchor anchor = TextAnchor::kStart);
   /// A JPEG that fills a rectangle.
   void image(std::string_view jpeg, const Eigen::Vector2d& corner, const Eigen::Vector2d& size);
 

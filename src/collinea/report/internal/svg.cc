@@ -135,16 +135,24 @@ double round_below(double value) {
   return power;
 }
 
-std::vector<double> ticks(double low, double high, int most) {
-  std::vector<double> values;
-  if (!(high > low) || !std::isfinite(high - low)) return values;
-  const double finest = (high - low) / most, below = round_below(finest);
+double round_above(double value) {
+  const double below = round_below(value);
   const double power = std::pow(10, std::floor(std::log10(below) + 1e-9));
-  double step = below;
+  double above = below;
   for (const double factor : {2.0, 5.0, 10.0})
-    if (step < finest * (1 - 1e-9)) step = factor * power;
+    if (above < value * (1 - 1e-9)) above = factor * power;
+  return above;
+}
+
+std::vector<double> multiples(double step, double low, double high) {
+  std::vector<double> values;
   for (double i = std::ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; ++i) values.push_back(i * step);
   return values;
+}
+
+std::vector<double> ticks(double low, double high, int most) {
+  if (!(high > low) || !std::isfinite(high - low)) return {};
+  return multiples(round_above((high - low) / most), low, high);
 }
 
 std::string tick_text(double value, double step) {

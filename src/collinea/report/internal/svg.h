@@ -25,7 +25,7 @@ class Svg {
   void circle(const Eigen::Vector2d& centre, double radius, std::string_view style, std::string_view title = "");
   void rectangle(double x, double y, double width, double height, std::string_view style, std::string_view fill = "");
   void image_at(double width, double height, std::string_view address);  ///< from the upper left corner
-  void area(std::string_view outline, std::string_view fill);  ///< `outline` in the language of SVG paths
+  void area(std::string_view outline, std::string_view fill);            ///< `outline` in the language of SVG paths
   void arrow(const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::string_view style);
   /// `anchor`: start, middle or end.
   void text(const Eigen::Vector2d& at, std::string_view text, std::string_view anchor = "start",
@@ -48,6 +48,10 @@ struct Axis {
 
 /// The largest of 1, 2, 5 times a power of ten that is not above `value` (> 0).
 [[nodiscard]] double round_below(double value);
+/// The smallest of them that is not below `value` (> 0).
+[[nodiscard]] double round_above(double value);
+/// The multiples of a step in [low, high].
+[[nodiscard]] std::vector<double> multiples(double step, double low, double high);
 /// Round values in [low, high] at equal steps, at most `most` + 1 of them.
 [[nodiscard]] std::vector<double> ticks(double low, double high, int most);
 /// As many decimals as a scale with this step needs.
