@@ -91,10 +91,16 @@ Result<std::map<std::string, std::string>> attributes_in(Reader& reader) {
     COLLINEA_TRY(const std::string value, reader.word());
     COLLINEA_TRY(check_attribute(name, value));
     if (!attributes.emplace(name, value).second) return fail(Errc::kBadInput, "with " + name + ": it is stated twice");
-    if (attributes.size() > SetAttribute::kMost)
-      return fail(Errc::kBadInput, "a feature has at most " + std::to_string(SetAttribute::kMost) + " attributes");
   }
   return attributes;
+}
+
+// Of a feature that is drawn now; journals may have others.
+Result<> check_leaves_numbers(const std::string& id) {
+  constexpr std::size_t kLongestNumber = 14;
+  if (id.size() > 1 + kLongestNumber && id[0] == 'F' && id.find_first_not_of("0123456789", 1) == std::string::npos)
+    return fail(Errc::kBadInput, "FEATURE: F and more than 14 digits leave no number for features to come");
+  return {};
 }
 
 Result<> check_count(VectorKind kind, std::size_t count) {
@@ -112,10 +118,6 @@ Result<DrawFeature> DrawFeature::parse(std::span<const std::string> words) {
   DrawFeature one{.feature = words[0], .layer = words[1]};
   COLLINEA_TRY(check_new_name(one.feature, "FEATURE"));
   COLLINEA_TRY(check_new_name(one.layer, "LAYER"));
-  constexpr std::size_t kLongestNumber = 14;
-  if (one.feature.size() > 1 + kLongestNumber && one.feature[0] == 'F' &&
-      one.feature.find_first_not_of("0123456789", 1) == std::string::npos)
-    return fail(Errc::kBadInput, "FEATURE: F and more than 14 digits leave no number for features to come");
   const auto kind = from_word<VectorKind>(words[2]);
   if (!kind)
     return fail(Errc::kBadInput, "\"" + words[2].substr(0, 40) + "\" is no kind: it is point, line or polygon");
@@ -154,6 +156,7 @@ std::vector<std::string> DrawFeature::words() const {
 
 Result<DrawFeature> DrawFeature::completed(const EditContext& context, const EditDefaults&) const {
   DrawFeature one = *this;
+  COLLINEA_TRY(check_leaves_numbers(feature));
   for (DrawnVertex& vertex : one.vertices)
     for (VertexMark& mark : vertex.marks) {
       COLLINEA_TRY(const ImageId id, context.image(mark.image));

@@ -33,7 +33,7 @@ struct DrawFeature {
 
   static Result<DrawFeature> parse(std::span<const std::string> words);
   [[nodiscard]] std::vector<std::string> words() const;
-  /// Errors: no such image.
+  /// Errors: no such image; an id of F and so many digits that no number is left behind it.
   [[nodiscard]] Result<DrawFeature> completed(const EditContext& context, const EditDefaults& defaults) const;
   /// Errors: an id that was erased; another kind than its layer holds; too many attributes.
   Result<> apply(const EditContext& context, EditedWork& work) const;

@@ -82,6 +82,14 @@ TEST_F(Work, IdsOfFeaturesAreGivenOnceWhateverIsUndoneOrErased) {
   ASSERT_EQ(make(draw), "");
   EXPECT_EQ(std::get<DrawFeature>(journal_.history().entries().back().edit).feature, "F10");
   EXPECT_NE(make({"draw", "F4", "roof", "point", "typed", "1", "2", "3"}).find("F4 was erased"), std::string::npos);
+  // One that leaves no number is not drawn, but a journal that has it is read as it always was.
+  const Words last = {"draw", "F123456789012345", "roof", "point", "typed", "1", "2", "3"};
+  EXPECT_NE(make(last).find("more than 14 digits"), std::string::npos);
+  const auto parsed = parse_edit(last);
+  ASSERT_TRUE(parsed) << parsed.error().message;
+  EditHistory history;
+  ASSERT_TRUE(history.add(*parsed, ""));
+  EXPECT_EQ(text_of(work_in_force(EditContext(setup_), history), setup_), line_of(last) + "; ");
 }
 
 TEST_F(Work, AFeatureThatIsDrawnAgainKeepsItsAttributesAndItsPlace) {
@@ -128,6 +136,30 @@ TEST_F(Work, AttributesOfADrawingCommandComeAndGoWithIt) {
         {"draw", "*", "a", "point", "with", "code", "R", "with", "code", "S", "typed", "1", "2", "3"},
         {"draw", "*", "a", "point", "with", "-", "R", "typed", "1", "2", "3"}})
     EXPECT_FALSE(parse_edit(wrong));
+}
+
+// A feature has at most SetAttribute::kMost attributes, but a command names what it takes back as well.
+TEST_F(Work, AllAttributesOfAFeatureAreReplacedByOneCommandAndComeBack) {
+  const auto with = [](Words words, char letter, bool set) {
+    for (std::size_t i = 0; i < SetAttribute::kMost; ++i)
+      words.insert(words.end(), {"with", letter + std::to_string(i), set ? "x" : "-"});
+    return words;
+  };
+  const auto drawn = [](Words words) {
+    words.insert(words.end(), {"typed", "1", "2", "3"});
+    return words;
+  };
+  const Words draw = {"draw", "F1", "roof", "point"};
+  ASSERT_EQ(make(drawn(with(draw, 'a', true))), "");
+  const std::string first = now();
+  EXPECT_NE(make(drawn(with(draw, 'b', true))).find("at most 100 attributes"), std::string::npos);
+  ASSERT_EQ(make(drawn(with(with(draw, 'a', false), 'b', true))), "");
+  EXPECT_NE(now(), first);
+  const std::string text = read_file(file()).value();
+  const auto last = parse_journal_line(lines_of(text)[1]);
+  ASSERT_TRUE(last && last->replaced.size() == 1);
+  ASSERT_EQ(make(last->replaced[0]), "");
+  EXPECT_EQ(now(), first);
 }
 
 // Features are found by their ids at once: each of 20,000 is drawn, given an attribute, drawn again and half are

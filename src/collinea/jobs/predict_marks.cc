@@ -21,8 +21,8 @@ Result<MarksReport> predict_marks(const Project& project, const std::string& poi
   for (const ControlObservation& mark : setup.control_observations)
     if (mark.point == named->first && oriented.block.images.contains(mark.image)) marks.push_back(mark);
   MarkingBlock marking = oriented.marking();
-  if (const auto field = open_height_field(project.folder / "products" / "dsm.tif"))
-    marking.surface = surface_in_world(oriented.frame_or_null(), heights_by_need(*field));
+  marking.surface =
+      surface_in_world(oriented.frame_or_null(), heights_by_need(project.folder / "products" / "dsm.tif"));
   report.marks = predicted_marks(marking, report.point, marks);
   report.block = std::move(oriented.block);
   return report;

@@ -149,6 +149,27 @@ TEST(MarkedBlock, MeasurementsOnTheGroundTakePart) {
   }
 }
 
+// A line has two coordinates across it, each with two unknowns of its own.
+TEST(MarkedBlock, PointsOnALineTakePart) {
+  const auto onto_line = [](std::vector<Vector3d>& positions) {
+    for (Vector3d& position : positions) position = Vector3d(5, 5, 1) + 0.8 * position.x() * Vector3d(0.8, 0.6, 0.05);
+  };
+  testing::Marked made =
+      testing::marked({.points = 120, .sigma_px = 0.5, .position_sigma_m = 0.05, .seed = 11}, 9, onto_line);
+  Random random(11, 4);
+  for (auto& [id, point] : made.block.control) {
+    point.position_in_world += 0.05 * testing::normal3(random);
+    point.sigma_m.setConstant(0.05);
+    for (const int axis : {0, 1})
+      made.block.geodetic.push_back(
+          {.kind = GeodeticKind::kOnLine, .from = id, .to = id, .sigma = 0.01, .setup = 1, .axis = axis});
+  }
+  expect_as_together(made.block, Calibration::kNone);
+  const AdjustedMarks with = adjusted_marks(made.block);
+  made.block.geodetic.clear();
+  EXPECT_LT(with.points[0].covariance_m2.trace(), 0.8 * adjusted_marks(made.block).points[0].covariance_m2.trace());
+}
+
 TEST(MarkedBlock, MeasurementsOnTheGroundAreOfPointsThatThereAre) {
   const Block block = test_block(small_block(9));
   auto base = MarkedBlock::of(block, {}, plain(), BlockControl::kLeftOut, {});

@@ -58,6 +58,11 @@ MapHeight heights_by_need(const HeightField& field) {
   return [tiles = std::make_shared<Tiles>(field)](const Vector2d& on_map) { return tiles->height(on_map); };
 }
 
+MapHeight heights_by_need(const std::filesystem::path& raster) {
+  const auto field = open_height_field(raster);
+  return field ? heights_by_need(*field) : MapHeight();
+}
+
 SurfaceHeight surface_in_world(const LocalFrame* frame, const MapHeight& surface) {
   if (!surface) return {};
   return [frame, surface](const Vector2d& at) -> std::optional<double> {

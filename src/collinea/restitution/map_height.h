@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <filesystem>
 #include <functional>
 #include <optional>
 
@@ -18,6 +19,8 @@ using MapHeight = std::function<std::optional<double>(const Eigen::Vector2d& on_
 /// the kMostHeightTiles last ones, 4 MiB, none is read twice. What cannot be read has no height. Not for several
 /// threads at once; copies share what was read.
 [[nodiscard]] MapHeight heights_by_need(const HeightField& field);
+/// Those of a raster in a file. Empty: it is not there, or cannot be read.
+[[nodiscard]] MapHeight heights_by_need(const std::filesystem::path& raster);
 inline constexpr int kHeightTile = 128;
 inline constexpr std::size_t kMostHeightTiles = 64;
 

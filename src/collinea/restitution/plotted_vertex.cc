@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "collinea/epipolar/intersect.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/marking/marked_point.h"
 #include "collinea/restitution/moved_edges.h"
@@ -150,19 +149,11 @@ Result<PlottedVertex> VertexPlotter::stereo(std::span<const ImageMark> marks) {
   const auto apart = [] {
     return fail(Errc::kIllPosed, "the rays of the marks do not meet: they are too parallel, or meet behind a camera");
   };
-  std::vector<SightLine> lines;
-  for (const ImageMark& mark : marks)
-    lines.push_back({&block.camera_of(mark.image), pose_of(block, mark.image), mark.pixel, mark.sigma_px, {}});
-  const auto met = intersect(lines);
-  if (!met) return apart();
-  std::vector<ImageId> named;
-  for (const ImageMark& mark : marks)
-    if (std::ranges::find(named, mark.image) == named.end()) named.push_back(mark.image);
-  if (named.size() <= kMostImages) add_neighbours(met->point_in_world, named);
-  std::ranges::sort(named);
-  const std::optional<JointPoses>& known = poses_of(named);
-  const auto size = 6 * Index(named.size());
-  const JointPoses images = known ? *known : JointPoses{.images = named, .covariance = MatrixXd::Zero(size, size)};
+  const auto named = images_of(marks);
+  if (!named) return apart();
+  const std::optional<JointPoses>& known = poses_of(*named);
+  const auto size = 6 * Index(named->size());
+  const JointPoses images = known ? *known : JointPoses{.images = *named, .covariance = MatrixXd::Zero(size, size)};
   std::vector<PointMark> seen;
   for (const ImageMark& mark : marks)
     seen.push_back({std::size_t(std::ranges::find(images.images, mark.image) - images.images.begin()), mark.pixel,
@@ -326,10 +317,8 @@ VertexFigures::VertexFigures(VertexPlotter& plotter, std::vector<PlottedVertex> 
     points_.heights.push_back(vertex.position.z());
   }
   auto covariance = plotter.covariance(vertices);
-  if (covariance)
-    points_.covariance = *std::move(covariance);
-  else
-    why_no_sigma_ = covariance.error();
+  has_sigma_ = covariance.has_value();
+  if (covariance) points_.covariance = *std::move(covariance);
 }
 
 Result<FigureOfVertices> VertexFigures::measure(FigureKind kind) const {
@@ -339,16 +328,8 @@ Result<FigureOfVertices> VertexFigures::measure(FigureKind kind) const {
 }
 
 Result<FigureOfVertices> VertexFigures::measure(FigureKind kind, std::span<const std::size_t> numbers) const {
-  if (why_no_sigma_ && why_no_sigma_->code == Errc::kUnsupported) return tl::unexpected(*why_no_sigma_);
-  if (!why_no_sigma_) {
-    COLLINEA_TRY(const MeasuredFigure figure, measure_figure(kind, numbers, points_));
-    return FigureOfVertices{figure.value, figure.sigma};
-  }
-  FigurePoints exact = points_;
-  const Index size = 3 * Index(points_.positions.size());
-  exact.covariance = MatrixXd::Zero(size, size);
-  COLLINEA_TRY(const MeasuredFigure figure, measure_figure(kind, numbers, exact));
-  return FigureOfVertices{figure.value, std::nullopt};
+  COLLINEA_TRY(const MeasuredFigure figure, measure_figure(kind, numbers, points_));
+  return FigureOfVertices{figure.value, has_sigma_ ? std::optional(figure.sigma) : std::nullopt};
 }
 
 }  // namespace collinea

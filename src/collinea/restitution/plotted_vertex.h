@@ -119,6 +119,7 @@ class VertexPlotter {
   std::optional<VertexErrors> as_drawn(const RepeatedVertex& asked, const Eigen::Vector3d& position_in_world);
   [[nodiscard]] std::vector<ImageId> nearest(const Eigen::Vector3d& position_in_world, std::size_t most) const;
   [[nodiscard]] MovedByImages moved_with_images(const Eigen::Vector3d& position_in_world) const;
+  [[nodiscard]] std::optional<std::vector<ImageId>> images_of(std::span<const ImageMark> marks) const;
   [[nodiscard]] std::vector<ImageId> images_of(std::span<const PlottedVertex> vertices) const;
   void add_neighbours(const Eigen::Vector3d& position_in_world, std::vector<ImageId>& images) const;
   [[nodiscard]] Eigen::Vector3d in_world(const Eigen::Vector3d& on_map) const;
@@ -132,8 +133,8 @@ class VertexPlotter {
   std::map<std::vector<ImageId>, std::optional<JointPoses>> poses_;  // made so far
 };
 
-/// A figure of vertices in their order; `sigma`: nothing where the errors of a vertex are not known. Errors: as
-/// measure_figure(); kUnsupported, of more vertices or images than VertexPlotter::covariance() takes.
+/// A figure of vertices in their order; `sigma`: nothing where VertexPlotter::covariance() has none: where the errors
+/// of a vertex are not known, and of more vertices or images than it takes. Errors: as measure_figure().
 struct FigureOfVertices {
   double value = 0;
   std::optional<double> sigma;
@@ -148,7 +149,7 @@ class VertexFigures {
 
  private:
   FigurePoints points_;
-  std::optional<Error> why_no_sigma_;
+  bool has_sigma_ = false;
 };
 
 }  // namespace collinea

@@ -219,6 +219,88 @@ TEST(PlottedVertex, TheEstimateIsThatOfTheWholeBlock) {
   EXPECT_GT(count, 5);
 }
 
+// What an error of a camera does to vertices of one mark and on the surface is what a camera that is another makes of
+// them, the surface being moved as its images see it.
+TEST(PlottedVertex, CamerasMoveVerticesAsTheirErrorsSay) {
+  const TestFolder folder;
+  const MarkingScene scene = marking_scene(3, false, 0.05, Calibration::kFocalRadial);
+  const Vector3d at = scene.points.at(ControlId{1});
+  const Plane plane(at, scene.points.at(ControlId{2}));
+  auto surface = surface_of(folder, plane);
+  ASSERT_TRUE(surface) << surface.error().message;
+  const MarkingBlock marking = scene.marking();
+  VertexPlotter plotter(marking, nullptr, &*surface);
+  const auto pixel_of = [&](ImageId image) {
+    return *project(scene.block.camera_of(image), pose_of(scene.block, image) * at);
+  };
+  const auto on_surface = plotter.plot(VertexOnSurface{at.head<2>(), 0.1});
+  ASSERT_TRUE(on_surface && on_surface->errors);
+  std::vector<ImageMark> of_surface;  // the images that made it, with equal weights
+  for (const auto& [image, moved] : on_surface->errors->by_images.by_pose)
+    of_surface.push_back({image, pixel_of(image), 1});
+  ASSERT_EQ(of_surface.size(), VertexPlotter::kNearest);
+  const ImageMark one = of_surface.back();
+  const auto mono = plotter.plot(MarkedVertex{{one}});
+  ASSERT_TRUE(mono && mono->errors) << mono.error().message;
+  const auto exact_stereo = [&](const Block& block) {
+    const PoseCovariances exact;
+    const MarkingBlock in{block, scene.observations, exact};
+    return VertexPlotter(in, nullptr, nullptr).plot(MarkedVertex{of_surface})->position;
+  };
+  const MarkingBlock together = scene.marking_together();
+  const auto joint = together.poses_together(std::vector{one.image});
+  ASSERT_TRUE(joint && joint->cameras.size() == 1);
+  const std::vector<int> params = joint->cameras[0].params;
+  ASSERT_GE(params.size(), 2u);
+  for (const int param : params) {
+    const Vector3d by_surface = on_surface->errors->by_images.by_camera.at(0).second.col(param),
+                   by_mono = mono->errors->by_images.by_camera.at(0).second.col(param);
+    const double step = 0.02 / by_surface.norm();  // 2 cm
+    Block moved = scene.block;
+    moved.cameras.at(joint->cameras[0].camera).params[std::size_t(param)] += step;
+    const Vector3d surface_moves = exact_stereo(moved) - exact_stereo(scene.block);
+    EXPECT_LT((surface_moves - step * by_surface).norm(), 1e-3 * 0.02) << param;
+    Plane plane_now = plane;
+    plane_now.at += surface_moves;
+    auto surface_now = surface_of(folder, plane_now);
+    ASSERT_TRUE(surface_now);
+    const MarkingBlock marking_now{moved, scene.observations, scene.poses};
+    const auto mono_now = VertexPlotter(marking_now, nullptr, &*surface_now).plot(MarkedVertex{{one}});
+    ASSERT_TRUE(mono_now) << mono_now.error().message;
+    EXPECT_LT((mono_now->position - mono->position - step * by_mono).norm(), 0.01 * 0.02) << param;
+    EXPECT_GT(step * by_mono.norm(), 0.002) << param;
+  }
+}
+
+// Of more vertices or images than a covariance is computed of, figures have their value without a standard deviation.
+TEST(PlottedVertex, LargeFiguresHaveTheirValue) {
+  const MarkingScene scene = marking_scene(2, false);
+  const MarkingBlock marking = scene.marking();
+  VertexPlotter plotter(marking, nullptr, nullptr);
+  const auto line_of = [&](std::size_t count) {
+    std::vector<PlottedVertex> line;
+    for (std::size_t i = 0; i < count; ++i)
+      line.push_back(*plotter.plot(GivenVertex{{3.0 * double(i), 4.0 * double(i), 7}, Vector3d::Constant(0.1)}));
+    return line;
+  };
+  constexpr std::size_t kMost = VertexPlotter::kMostVertices;
+  const auto most = VertexFigures(plotter, line_of(kMost)).measure(FigureKind::kLength);
+  ASSERT_TRUE(most && most->sigma);
+  EXPECT_NEAR(*most->sigma, 0.1 * std::sqrt(2), 1e-9);  // of a straight line that of its ends
+  const auto more = VertexFigures(plotter, line_of(2000)).measure(FigureKind::kLength);
+  ASSERT_TRUE(more) << more.error().message;
+  EXPECT_NEAR(more->value, 5.0 * 1999, 1e-6);
+  EXPECT_FALSE(more->sigma);
+  std::vector<PlottedVertex> of_many = line_of(2);
+  for (std::uint32_t i = 0; i <= VertexPlotter::kMostImages; ++i)
+    of_many[i % 2].errors->by_images.by_pose.emplace_back(ImageId{i}, MovedByImages::ByPose::Zero());
+  const auto distance = VertexFigures(plotter, of_many).measure(FigureKind::kDistance);
+  ASSERT_TRUE(distance) << distance.error().message;
+  EXPECT_NEAR(distance->value, 5, 1e-9);
+  EXPECT_FALSE(distance->sigma);
+  EXPECT_FALSE(VertexFigures(plotter, line_of(3)).measure(FigureKind::kDistance));  // of two points only
+}
+
 // What has no position is refused with the reason, and never given one: a single ray without a surface, two marks in
 // one image, rays that are parallel or meet behind the cameras, a point at infinity, marks that are none.
 TEST(PlottedVertex, DegenerateMarksAreRefused) {

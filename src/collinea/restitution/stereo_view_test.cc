@@ -11,8 +11,9 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
+/// The strip with tie points where they truly are.
 struct Scene {
-  Block block = make_survey(testing::strip_of_three())->block;
+  Block block = *observations_only(*make_survey(testing::strip_of_three()), {}, {});
   std::map<ImageId, std::vector<std::size_t>> observations = observations_by_image(block);
   PoseCovariances poses = {};
   [[nodiscard]] MarkingBlock marking() const { return {block, observations, poses}; }

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
+#include "collinea/epipolar/intersect.h"
 #include "collinea/restitution/plotted_vertex.h"
 
 namespace collinea {
@@ -70,6 +71,24 @@ void VertexPlotter::add_neighbours(const Vector3d& position_in_world, std::vecto
   if (marking_.poses_together) return;
   for (const ImageId image : nearest(position_in_world, kNeighbours))
     if (images.size() < kMostImages && std::ranges::find(images, image) == images.end()) images.push_back(image);
+}
+
+// Those of the marks, sorted; nothing where neighbours are needed and the rays do not say whose.
+std::optional<std::vector<ImageId>> VertexPlotter::images_of(std::span<const ImageMark> marks) const {
+  const Block& block = marking_.block;
+  std::vector<ImageId> images;
+  for (const ImageMark& mark : marks)
+    if (std::ranges::find(images, mark.image) == images.end()) images.push_back(mark.image);
+  if (!marking_.poses_together) {
+    std::vector<SightLine> lines;
+    for (const ImageMark& mark : marks)
+      lines.push_back({&block.camera_of(mark.image), pose_of(block, mark.image), mark.pixel, mark.sigma_px, {}});
+    const auto met = intersect(lines);
+    if (!met) return std::nullopt;
+    add_neighbours(met->point_in_world, images);
+  }
+  std::ranges::sort(images);
+  return images;
 }
 
 // Those that errors name come first; neighbours as long as there is room.

@@ -134,12 +134,12 @@ Result<HeightSpan> HeldBlock::span_of(const std::filesystem::path& surface) {
   return span;
 }
 
-Result<DrawingNow> HeldBlock::drawing_now(const Drawing& drawn, const std::filesystem::path& surface,
+Result<DrawingNow> HeldBlock::drawing_now(const Drawing& drawn, const ImagesByFile& images,
+                                          const std::filesystem::path& surface,
                                           const DrawingComputer::MakePlotter& plotter) {
   const std::lock_guard lock(drawing_mutex_);
   if (auto state = state_of(surface); state != drawing_.surface) drawing_ = {state, {}};
-  COLLINEA_TRY(const auto tied, ties());
-  return drawing_.computer.drawing_now(drawn, plotter, images_by_file(tied->block));
+  return drawing_.computer.drawing_now(drawn, plotter, images);
 }
 
 }  // namespace collinea

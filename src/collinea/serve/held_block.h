@@ -57,7 +57,8 @@ class HeldBlock {
   [[nodiscard]] bool has_poses_together();
   /// A drawing as the adjustment has it; features that are as they were are not computed again. `plotter` makes what
   /// others are plotted in, on the surface in that file (there may be none). Errors: those of `plotter`.
-  [[nodiscard]] Result<DrawingNow> drawing_now(const Drawing& drawn, const std::filesystem::path& surface,
+  [[nodiscard]] Result<DrawingNow> drawing_now(const Drawing& drawn, const ImagesByFile& images,
+                                               const std::filesystem::path& surface,
                                                const DrawingComputer::MakePlotter& plotter);
   /// Between which heights a surface lies, read again when its file changes. Errors: height_span().
   [[nodiscard]] Result<HeightSpan> span_of(const std::filesystem::path& surface);

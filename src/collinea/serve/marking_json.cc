@@ -6,7 +6,6 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "collinea/base/file.h"
 #include "collinea/block/survey_covariance.h"
 #include "collinea/jobs/predict_marks.h"
 #include "collinea/marking/predicted_marks.h"
@@ -100,10 +99,8 @@ json in_block_json(const ProjectView& view, ControlId id, const std::vector<Cont
 // With the surface where there is one: what hides points is read by need.
 MarkingBlock marking_with_surface(const ProjectView& view, const TiedBlock& ties) {
   MarkingBlock marking = view.marking(ties);
-  const std::filesystem::path dsm = view.project.folder / "products" / "dsm.tif";
-  if (!is_there(dsm)) return marking;
-  if (const auto field = open_height_field(dsm))
-    marking.surface = surface_in_world(view.frame_or_null(), heights_by_need(*field));
+  marking.surface =
+      surface_in_world(view.frame_or_null(), heights_by_need(view.project.folder / "products" / "dsm.tif"));
   return marking;
 }
 

@@ -68,7 +68,7 @@ class ProjectView {
 
   /// The drawing as the adjustment has it. Errors: those of `plotter`.
   [[nodiscard]] Result<DrawingNow> drawing_now(const DrawingComputer::MakePlotter& plotter) const {
-    return held_->drawing_now(work.drawing, project.folder / "products" / "dsm.tif", plotter);
+    return held_->drawing_now(work.drawing, images_by_file(block), project.folder / "products" / "dsm.tif", plotter);
   }
 
   /// The tests that the adjustment left of a mark; nothing when it took no part, or has been moved since.

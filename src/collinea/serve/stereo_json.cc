@@ -10,7 +10,6 @@
 #include "collinea/restitution/ground_match.h"
 #include "collinea/restitution/plotted_vertex.h"
 #include "collinea/serve/internal/bounded_json.h"
-#include "collinea/surface/height_field.h"
 
 namespace collinea {
 namespace {
@@ -25,10 +24,7 @@ std::string text_of(const json& value) { return value.dump(-1, ' ', false, json:
 json of_mark(const StereoMark& mark) { return {number(mark.x), number(mark.y), number(mark.parallax)}; }
 json pair(const Vector2d& v) { return {number(v.x()), number(v.y())}; }
 
-MapHeight surface_of(const ProjectView& view) {
-  const auto field = open_height_field(view.project.folder / "products" / "dsm.tif");
-  return field ? heights_by_need(*field) : MapHeight();
-}
+MapHeight surface_of(const ProjectView& view) { return heights_by_need(view.project.folder / "products" / "dsm.tif"); }
 
 void add_covariance(json& out, const std::optional<Matrix3d>& covariance) {
   if (!covariance || !covariance->allFinite()) {
