@@ -128,6 +128,7 @@ export class World {
           const size = 6 / Math.sqrt(1 + marks.length);
           return {
             image: image.id, file: image.file, pixel: [x + dx, y + dy], ellipse: { major_px: size, minor_px: size * 0.6, angle_deg: 35 }, marked: image.file in point.marks,
+            hidden: false,
             sigma_after_m: marks.length ? (0.02 * (1 + 0.03 * Math.abs(chance(image.file)))) / Math.sqrt(marks.length) : null,
           };
         })

@@ -6,6 +6,7 @@
 
 #include "collinea/edit/edited_work.h"
 #include "collinea/edit/internal/words_in.h"
+#include "collinea/edit/set_attribute.h"
 #include "collinea/io/text.h"
 
 namespace collinea {
@@ -81,6 +82,27 @@ Result<DrawnVertex> vertex_in(Reader& reader) {
   return vertex;
 }
 
+// "with NAME VALUE" as often as it stands there.
+Result<std::map<std::string, std::string>> attributes_in(Reader& reader) {
+  std::map<std::string, std::string> attributes;
+  while (reader.is_at("with")) {
+    COLLINEA_TRY([[maybe_unused]] const std::string with, reader.word());
+    COLLINEA_TRY(const std::string name, reader.word());
+    COLLINEA_TRY(const std::string value, reader.word());
+    COLLINEA_TRY(check_attribute(name, value));
+    if (!attributes.emplace(name, value).second) return fail(Errc::kBadInput, "with " + name + ": it is stated twice");
+  }
+  return attributes;
+}
+
+// Of a feature that is drawn now; journals may have others.
+Result<> check_leaves_numbers(const std::string& id) {
+  constexpr std::size_t kLongestNumber = 14;
+  if (id.size() > 1 + kLongestNumber && id[0] == 'F' && id.find_first_not_of("0123456789", 1) == std::string::npos)
+    return fail(Errc::kBadInput, "FEATURE: F and more than 14 digits leave no number for features to come");
+  return {};
+}
+
 Result<> check_count(VectorKind kind, std::size_t count) {
   const std::size_t least = kind == VectorKind::kPoint ? 1 : kind == VectorKind::kLine ? 2 : 3;
   if (count < least || (kind == VectorKind::kPoint && count > 1))
@@ -96,15 +118,13 @@ Result<DrawFeature> DrawFeature::parse(std::span<const std::string> words) {
   DrawFeature one{.feature = words[0], .layer = words[1]};
   COLLINEA_TRY(check_new_name(one.feature, "FEATURE"));
   COLLINEA_TRY(check_new_name(one.layer, "LAYER"));
-  constexpr std::size_t kLongestNumber = 14;
-  if (one.feature.size() > 1 + kLongestNumber && one.feature[0] == 'F' &&
-      one.feature.find_first_not_of("0123456789", 1) == std::string::npos)
-    return fail(Errc::kBadInput, "FEATURE: F and more than 14 digits leave no number for features to come");
   const auto kind = from_word<VectorKind>(words[2]);
   if (!kind)
     return fail(Errc::kBadInput, "\"" + words[2].substr(0, 40) + "\" is no kind: it is point, line or polygon");
   one.kind = *kind;
-  for (Reader reader(words.subspan(3)); !reader.at_end();) {
+  Reader reader(words.subspan(3));
+  COLLINEA_TRY(one.attributes, attributes_in(reader));
+  while (!reader.at_end()) {
     if (one.vertices.size() == kMostVertices)
       return fail(Errc::kBadInput,
                   "a feature has at most " + std::to_string(kMostVertices) + " vertices: draw several");
@@ -117,6 +137,7 @@ Result<DrawFeature> DrawFeature::parse(std::span<const std::string> words) {
 
 std::vector<std::string> DrawFeature::words() const {
   std::vector<std::string> words = {feature, layer, std::string(word_of(kind))};
+  for (const auto& [name, value] : attributes) words.insert(words.end(), {"with", name, value});
   for (const DrawnVertex& vertex : vertices) {
     words.emplace_back(word_of(vertex.source));
     for (int axis = 0; axis < 3; ++axis) words.push_back(exact(vertex.position[axis]));
@@ -135,6 +156,7 @@ std::vector<std::string> DrawFeature::words() const {
 
 Result<DrawFeature> DrawFeature::completed(const EditContext& context, const EditDefaults&) const {
   DrawFeature one = *this;
+  COLLINEA_TRY(check_leaves_numbers(feature));
   for (DrawnVertex& vertex : one.vertices)
     for (VertexMark& mark : vertex.marks) {
       COLLINEA_TRY(const ImageId id, context.image(mark.image));
@@ -152,19 +174,22 @@ Result<> DrawFeature::apply(const EditContext&, EditedWork& work) const {
   for (const DrawingLayer& one : drawing.layers)
     if (one.name == layer && one.kind && *one.kind != kind)
       return fail(Errc::kBadInput, "layer " + layer + " holds each feature as a " + std::string(word_of(*one.kind)));
-  if (DrawnFeature* known = drawing.find(feature)) {
-    known->layer = layer;
-    known->kind = kind;
-    known->vertices = vertices;
-  } else {
-    drawing.features.push_back({feature, layer, kind, {}, vertices});
-  }
+  DrawnFeature* known = drawing.features.find(feature);
+  std::map<std::string, std::string> all = known ? known->attributes : std::map<std::string, std::string>();
+  COLLINEA_TRY(set_attributes(attributes, all));
+  if (known)
+    *known = {feature, layer, kind, std::move(all), vertices};
+  else
+    drawing.features.add({feature, layer, kind, std::move(all), vertices});
   return {};
 }
 
 std::vector<std::vector<std::string>> DrawFeature::restoring(const EditContext&, const EditedWork& before) const {
-  if (const DrawnFeature* known = before.drawing.find(feature)) return {command_words(drawn_again(*known))};
-  return {command_words(EraseFeature{feature})};
+  const DrawnFeature* known = before.drawing.features.find(feature);
+  if (!known) return {command_words(EraseFeature{feature})};
+  DrawFeature again = drawn_again(*known);
+  for (const auto& [name, value] : attributes) again.attributes.emplace(name, "-");  // those that it had not
+  return {command_words(again)};
 }
 
 std::uint64_t DrawFeature::number_of(const std::string& id) {
@@ -175,7 +200,7 @@ std::uint64_t DrawFeature::number_of(const std::string& id) {
 }
 
 DrawFeature drawn_again(const DrawnFeature& feature) {
-  return {feature.id, feature.layer, feature.kind, feature.vertices};
+  return {feature.id, feature.layer, feature.kind, feature.vertices, feature.attributes};
 }
 
 Result<EraseFeature> EraseFeature::parse(std::span<const std::string> words) {
@@ -190,15 +215,14 @@ Result<EraseFeature> EraseFeature::completed(const EditContext&, const EditDefau
 
 Result<> EraseFeature::apply(const EditContext&, EditedWork& work) const {
   Drawing& drawing = work.drawing;
-  if (std::erase_if(drawing.features, [&](const DrawnFeature& one) { return one.id == feature; }) == 0)
-    return fail(Errc::kNotFound, "there is no feature " + feature);
+  if (!drawing.features.erase(feature)) return fail(Errc::kNotFound, "there is no feature " + feature);
   drawing.erased.insert(feature);
   return {};
 }
 
 // The feature comes back under another id.
 std::vector<std::vector<std::string>> EraseFeature::restoring(const EditContext&, const EditedWork& before) const {
-  const DrawnFeature* known = before.drawing.find(feature);
+  const DrawnFeature* known = before.drawing.features.find(feature);
   if (!known) return {};
   DrawFeature again = drawn_again(*known);
   again.feature = "*";

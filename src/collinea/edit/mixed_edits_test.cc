@@ -27,7 +27,7 @@ class MixedEdits : public EditsTest {
 // A random walk of new edits, undo and redo: the project is always what the edits that are left made it, so that 200
 // edits are taken back one by one to what was imported, and come back one by one.
 TEST_F(MixedEdits, TwoHundredOfAllKindsAreUndoneAndRedoneAlsoAfterRestarts) {
-  Random random(23);
+  Random random(12);
   std::vector<std::string> states = {state()};
   std::size_t at = 0;  // the state in force; those behind it can be redone
   std::set<std::string> kinds;

@@ -8,19 +8,36 @@
 
 namespace collinea {
 
+Result<> check_attribute(const std::string& name, const std::string& value) {
+  COLLINEA_TRY(check_new_name(name, "NAME"));
+  if (value.size() > SetAttribute::kLongestValue) return fail(Errc::kBadInput, "VALUE: it has more than 2000 bytes");
+  // As a name, but that it may be long, or nothing.
+  for (std::size_t i = 0; i < value.size();) {
+    std::size_t end = std::min(value.size(), i + 250);
+    while (end < value.size() && (static_cast<unsigned char>(value[end]) & 0xc0) == 0x80) ++end;  // between characters
+    COLLINEA_TRY(check_name(value.substr(i, end - i), "VALUE"));
+    i = end;
+  }
+  return {};
+}
+
+Result<> set_attributes(const std::map<std::string, std::string>& some, std::map<std::string, std::string>& all) {
+  std::map<std::string, std::string> now = all;
+  for (const auto& [name, value] : some)
+    if (value == "-")
+      now.erase(name);
+    else
+      now[name] = value;
+  if (now.size() > SetAttribute::kMost)
+    return fail(Errc::kBadInput, "a feature has at most " + std::to_string(SetAttribute::kMost) + " attributes");
+  all = std::move(now);
+  return {};
+}
+
 Result<SetAttribute> SetAttribute::parse(std::span<const std::string> words) {
   if (words.size() != 3) return wrong_form(kForm);
   COLLINEA_TRY(check_name(words[0], "FEATURE"));
-  COLLINEA_TRY(check_new_name(words[1], "NAME"));
-  if (words[2].size() > kLongestValue) return fail(Errc::kBadInput, "VALUE: it has more than 2000 bytes");
-  // As a name, but that it may be long, or nothing.
-  for (std::size_t i = 0; i < words[2].size();) {
-    std::size_t end = std::min(words[2].size(), i + 250);
-    while (end < words[2].size() && (static_cast<unsigned char>(words[2][end]) & 0xc0) == 0x80)
-      ++end;  // between characters
-    COLLINEA_TRY(check_name(words[2].substr(i, end - i), "VALUE"));
-    i = end;
-  }
+  COLLINEA_TRY(check_attribute(words[1], words[2]));
   return SetAttribute{words[0], words[1], words[2]};
 }
 
@@ -29,20 +46,13 @@ std::vector<std::string> SetAttribute::words() const { return {feature, name, va
 Result<SetAttribute> SetAttribute::completed(const EditContext&, const EditDefaults&) const { return *this; }
 
 Result<> SetAttribute::apply(const EditContext&, EditedWork& work) const {
-  DrawnFeature* known = work.drawing.find(feature);
+  DrawnFeature* known = work.drawing.features.find(feature);
   if (!known) return fail(Errc::kNotFound, "there is no feature " + feature);
-  if (value == "-") {
-    known->attributes.erase(name);
-    return {};
-  }
-  if (known->attributes.size() == kMost && !known->attributes.contains(name))
-    return fail(Errc::kBadInput, "a feature has at most " + std::to_string(kMost) + " attributes");
-  known->attributes[name] = value;
-  return {};
+  return set_attributes({{name, value}}, known->attributes);
 }
 
 std::vector<std::vector<std::string>> SetAttribute::restoring(const EditContext&, const EditedWork& before) const {
-  const DrawnFeature* known = before.drawing.find(feature);
+  const DrawnFeature* known = before.drawing.features.find(feature);
   if (!known) return {};
   const auto was = known->attributes.find(name);
   return {{std::string(kWord), feature, name, was == known->attributes.end() ? "-" : was->second}};

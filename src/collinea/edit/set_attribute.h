@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,6 +29,13 @@ struct SetAttribute {
   [[nodiscard]] std::vector<std::vector<std::string>> restoring(const EditContext& context,
                                                                 const EditedWork& before) const;
 };
+
+/// Whether an attribute can be so. Errors: what is wrong with its name or its value.
+[[nodiscard]] Result<> check_attribute(const std::string& name, const std::string& value);
+/// Sets some of all attributes of a feature; "-" takes one back. Error, with nothing set: more than
+/// SetAttribute::kMost.
+[[nodiscard]] Result<> set_attributes(const std::map<std::string, std::string>& some,
+                                      std::map<std::string, std::string>& all);
 
 /// Names a layer of the drawing, with its colour and what is drawn on it: `layer roof polygon #e67e22`.
 struct SetLayer {

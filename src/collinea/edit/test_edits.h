@@ -124,14 +124,14 @@ inline std::vector<std::string> any_work(Random& random) {
   if (kind == "erase") return {kind, feature};
   if (kind == "attribute") return {kind, feature, name, one_of({"x", "y", "-"})};
   if (kind == "layer") return {kind, name, "any", one_of({"#000000", "#ff0000"})};
-  if (kind == "draw")
-    return {kind,   one_of({"*", "*", feature}),
-            name,   "point",
-            "mono", std::to_string(random.uniform()),
-            "2",    "3",
-            "mark", one_of({"photo 0.jpg", "PHOTO 3.JPG"}),
-            "1",    "2",
-            "0.5"};
+  if (kind == "draw") {
+    std::vector<std::string> words = {kind, one_of({"*", "*", feature}), name, "point"};
+    for (const char* attribute : {"a", "code"})
+      if (random.below(3) == 0) words.insert(words.end(), {"with", attribute, one_of({"x", "z", "-"})});
+    const std::string east = std::to_string(random.uniform()), image = one_of({"photo 0.jpg", "PHOTO 3.JPG"});
+    words.insert(words.end(), {"mono", east, "2", "3", "mark", image, "1", "2", "0.5"});
+    return words;
+  }
   if (kind.starts_with("un")) return {kind, name};
   std::vector<std::string> words = {kind, name, one_of({"photo 0.jpg", "PHOTO 3.JPG"})};
   if (kind == "mask" && random.below(4) == 0) words[2] = "*";
@@ -162,10 +162,7 @@ inline std::string text_of(const EditedWork& work, const Block& setup) {
     ring(one.ring_m);
   }
   for (const DrawingLayer& one : work.drawing.layers) text += line_of(words_of(SetLayer{one})) + "; ";
-  for (const DrawnFeature& one : work.drawing.features) {
-    text += line_of(words_of(drawn_again(one))) + "; ";
-    for (const auto& [name, value] : one.attributes) text += name + "=" + value + "; ";
-  }
+  for (const DrawnFeature& one : work.drawing.features) text += line_of(words_of(drawn_again(one))) + "; ";
   for (const std::string& id : work.drawing.erased) text += "erased " + id + "; ";
   return text;
 }

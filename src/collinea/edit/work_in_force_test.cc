@@ -82,6 +82,14 @@ TEST_F(Work, IdsOfFeaturesAreGivenOnceWhateverIsUndoneOrErased) {
   ASSERT_EQ(make(draw), "");
   EXPECT_EQ(std::get<DrawFeature>(journal_.history().entries().back().edit).feature, "F10");
   EXPECT_NE(make({"draw", "F4", "roof", "point", "typed", "1", "2", "3"}).find("F4 was erased"), std::string::npos);
+  // One that leaves no number is not drawn, but a journal that has it is read as it always was.
+  const Words last = {"draw", "F123456789012345", "roof", "point", "typed", "1", "2", "3"};
+  EXPECT_NE(make(last).find("more than 14 digits"), std::string::npos);
+  const auto parsed = parse_edit(last);
+  ASSERT_TRUE(parsed) << parsed.error().message;
+  EditHistory history;
+  ASSERT_TRUE(history.add(*parsed, ""));
+  EXPECT_EQ(text_of(work_in_force(EditContext(setup_), history), setup_), line_of(last) + "; ");
 }
 
 TEST_F(Work, AFeatureThatIsDrawnAgainKeepsItsAttributesAndItsPlace) {
@@ -91,8 +99,9 @@ TEST_F(Work, AFeatureThatIsDrawnAgainKeepsItsAttributesAndItsPlace) {
                              {"attribute", "F1", "use", "shed"},
                              {"draw", "F1", "roof", "point", "typed", "7", "2", "3"}})
     ASSERT_EQ(make(words), "");
-  EXPECT_EQ(now(),
-            "layer roof point \"#010203\"; draw F1 roof point typed 7 2 3; use=shed; draw F2 wall point typed 1 2 3; ");
+  EXPECT_EQ(
+      now(),
+      "layer roof point \"#010203\"; draw F1 roof point with use shed typed 7 2 3; draw F2 wall point typed 1 2 3; ");
   EXPECT_NE(make({"draw", "*", "roof", "line", "typed", "1", "2", "3", "typed", "1", "2", "4"}).find("as a point"),
             std::string::npos);
   EXPECT_NE(make({"layer", "wall", "line", "#010203"}).find("F2 on it is a point"), std::string::npos);
@@ -101,6 +110,84 @@ TEST_F(Work, AFeatureThatIsDrawnAgainKeepsItsAttributesAndItsPlace) {
   EXPECT_NE(make({"draw", "*", "a", "point", "typed", "1", "2", "3", "mark", "none.jpg", "1", "2", "1"})
                 .find("no image is called"),
             std::string::npos);
+}
+
+// One edit, one undo: what a person sees as drawing a coded feature, and as moving it with another code.
+TEST_F(Work, AttributesOfADrawingCommandComeAndGoWithIt) {
+  ASSERT_EQ(make({"draw", "*", "roof", "point", "with", "code", "R", "with", "use", "a shed", "typed", "1", "2", "3"}),
+            "");
+  const std::string first = now();
+  EXPECT_EQ(first, "draw F1 roof point with code R with use \"a shed\" typed 1 2 3; ");
+  ASSERT_EQ(make({"draw", "F1", "roof", "point", "with", "code", "-", "with", "state", "new", "typed", "7", "2", "3"}),
+            "");
+  EXPECT_EQ(now(), "draw F1 roof point with state new with use \"a shed\" typed 7 2 3; ");
+  const std::string text = read_file(file()).value();
+  const auto last = parse_journal_line(lines_of(text)[1]);
+  ASSERT_TRUE(last && last->replaced.size() == 1);
+  ASSERT_EQ(make(last->replaced[0]), "");  // what is written there brings it back
+  EXPECT_EQ(now(), first);
+  ASSERT_EQ(make({"undo"}), "");
+  ASSERT_EQ(make({"undo"}), "");
+  EXPECT_EQ(now(), first);
+  ASSERT_EQ(make({"undo"}), "");
+  EXPECT_EQ(now(), "");
+  for (const Words& wrong :
+       {Words{"draw", "*", "a", "point", "with", "code"},
+        {"draw", "*", "a", "point", "with", "code", "R", "with", "code", "S", "typed", "1", "2", "3"},
+        {"draw", "*", "a", "point", "with", "-", "R", "typed", "1", "2", "3"}})
+    EXPECT_FALSE(parse_edit(wrong));
+}
+
+// A feature has at most SetAttribute::kMost attributes, but a command names what it takes back as well.
+TEST_F(Work, AllAttributesOfAFeatureAreReplacedByOneCommandAndComeBack) {
+  const auto with = [](Words words, char letter, bool set) {
+    for (std::size_t i = 0; i < SetAttribute::kMost; ++i)
+      words.insert(words.end(), {"with", letter + std::to_string(i), set ? "x" : "-"});
+    return words;
+  };
+  const auto drawn = [](Words words) {
+    words.insert(words.end(), {"typed", "1", "2", "3"});
+    return words;
+  };
+  const Words draw = {"draw", "F1", "roof", "point"};
+  ASSERT_EQ(make(drawn(with(draw, 'a', true))), "");
+  const std::string first = now();
+  EXPECT_NE(make(drawn(with(draw, 'b', true))).find("at most 100 attributes"), std::string::npos);
+  ASSERT_EQ(make(drawn(with(with(draw, 'a', false), 'b', true))), "");
+  EXPECT_NE(now(), first);
+  const std::string text = read_file(file()).value();
+  const auto last = parse_journal_line(lines_of(text)[1]);
+  ASSERT_TRUE(last && last->replaced.size() == 1);
+  ASSERT_EQ(make(last->replaced[0]), "");
+  EXPECT_EQ(now(), first);
+}
+
+// Features are found by their ids at once: each of 20,000 is drawn, given an attribute, drawn again and half are
+// erased. By looking at all of them for each that would be 10^9 comparisons of texts.
+TEST(WorkInForce, ABigDrawingIsReplayedInTheOrderItWasDrawn) {
+  constexpr int kFeatures = 20'000;
+  EditHistory history;
+  const DrawnVertex vertex{.position = {1, 2, 3}, .covariance_m2 = {}};
+  const auto id = [](int i) { return DrawFeature::id_of(std::uint64_t(i + 1)); };
+  for (int i = 0; i < kFeatures; ++i)
+    ASSERT_TRUE(history.add(DrawFeature{id(i), "a", VectorKind::kPoint, {vertex}}, ""));
+  for (int i = kFeatures; i-- > 0;) ASSERT_TRUE(history.add(SetAttribute{id(i), "code", "R"}, ""));
+  for (int i = 0; i < kFeatures; i += 2) ASSERT_TRUE(history.add(EraseFeature{id(i)}, ""));
+  for (int i = 1; i < kFeatures; i += 2)
+    ASSERT_TRUE(history.add(DrawFeature{id(i), "b", VectorKind::kPoint, {vertex}}, ""));
+  const Block setup = setup_to_edit();
+  std::vector<UnfitEdit> unfit;
+  const Drawing drawing = work_in_force(EditContext(setup), history, &unfit).drawing;
+  EXPECT_TRUE(unfit.empty());
+  EXPECT_EQ(drawing.features.size(), std::size_t(kFeatures / 2));
+  int next = 1;
+  for (const DrawnFeature& one : drawing.features) {
+    ASSERT_EQ(one.id, id(next));
+    ASSERT_EQ(drawing.features.find(one.id), &one);
+    EXPECT_TRUE(one.layer == "b" && one.attributes.at("code") == "R");
+    next += 2;
+  }
+  EXPECT_EQ(drawing.features.find(id(0)), nullptr);
 }
 
 TEST_F(Work, WhatDoesNotFitIsRefusedAndAfterAnotherImportLeftOut) {

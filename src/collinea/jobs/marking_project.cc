@@ -2,11 +2,19 @@
 #include "collinea/jobs/marking_project.h"
 
 #include "collinea/block/world_frame.h"
+#include "collinea/project/block_precision.h"
 
 namespace collinea {
 
 double sigma_scale(const std::optional<AdjustmentRecord>& adjustment) {
   return adjustment ? adjustment->sigma_scale() : 1;
+}
+
+MarkingBlock MarkingProject::marking() const {
+  MarkingBlock marking{block, observations, covariances.poses, sigma_scale};
+  if (precision)
+    marking.poses_together = [its = precision](std::span<const ImageId> images) { return its->joint_poses(images); };
+  return marking;
 }
 
 Result<MarkingProject> MarkingProject::read(const Project& project) {
@@ -20,6 +28,13 @@ Result<MarkingProject> MarkingProject::read(const Project& project) {
   const auto adjustment = project.store.read_outcome<AdjustmentRecord>();
   if (!adjustment && adjustment.error().code != Errc::kNotFound) return tl::unexpected(adjustment.error());
   if (adjustment) all.sigma_scale = collinea::sigma_scale(*adjustment);
+  return all;
+}
+
+Result<MarkingProject> MarkingProject::read_with_precision(const Project& project) {
+  COLLINEA_TRY(MarkingProject all, read(project));
+  if (auto precision = precision_of(project.folder, all.block, all.covariances))
+    all.precision = std::make_shared<BlockPrecision>(*std::move(precision));
   return all;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <map>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -24,12 +25,15 @@ struct MarkingProject {
   std::map<ImageId, std::vector<std::size_t>> observations;  ///< observations_by_image()
   std::optional<LocalFrame> frame;                           ///< nothing: no location on Earth
   double sigma_scale = 1;
+  std::shared_ptr<BlockPrecision> precision;  ///< null: not known, local_poses() stands for it
 
   /// Refers to this.
-  [[nodiscard]] MarkingBlock marking() const { return {block, observations, covariances.poses, sigma_scale}; }
+  [[nodiscard]] MarkingBlock marking() const;
   [[nodiscard]] const LocalFrame* frame_or_null() const { return frame ? &*frame : nullptr; }
   /// Errors: kIllPosed, the block is not oriented yet; the project cannot be read.
   static Result<MarkingProject> read(const Project& project);
+  /// The same with `precision`, where precision_of() has one.
+  static Result<MarkingProject> read_with_precision(const Project& project);
 };
 
 }  // namespace collinea

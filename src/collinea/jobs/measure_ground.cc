@@ -33,13 +33,13 @@ std::array<std::string, 2> files_of(const Block& block, const StereoChoice& pair
 Result<GroundReport> measure_ground(const Project& project, const Eigen::Vector2d& on_map,
                                     const GroundOptions& options) {
   COLLINEA_TRY(validate(options));
-  COLLINEA_TRY(const MarkingProject oriented, MarkingProject::read(project));
+  COLLINEA_TRY(const MarkingProject oriented, MarkingProject::read_with_precision(project));
   const Block& block = oriented.block;
   const MarkingBlock marking = oriented.marking();
-  const auto field = open_height_field(project.folder / "products" / "dsm.tif");
   COLLINEA_TRY(const auto images, images_named(block, options.images));
-  COLLINEA_TRY(const StereoView scene, stereo_view(marking, oriented.frame_or_null(),
-                                                   field ? heights_about(*field) : MapHeight(), {on_map, images}));
+  COLLINEA_TRY(const StereoView scene,
+               stereo_view(marking, oriented.frame_or_null(), heights_by_need(project.folder / "products" / "dsm.tif"),
+                           {on_map, images}));
   const PhotoWindow photo = [&](ImageId image, const PixelWindow& window) {
     const Camera& camera = block.camera_of(image);
     return read_grey_window(project.image_file(block.images.at(image)), camera.width_px, camera.height_px, window);

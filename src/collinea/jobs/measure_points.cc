@@ -121,7 +121,7 @@ Result<MeasuredReport> measure_points(const std::filesystem::path& folder, const
   MeasuredReport report;
   COLLINEA_TRY(report.figures, read_figures(options.figures));
   COLLINEA_TRY(const Project project, open_project(folder, run));
-  COLLINEA_TRY(ProjectAdjustment adjustment, adjustment_of(project, project.settings.adjust));
+  COLLINEA_TRY(ProjectAdjustment adjustment, adjustment_with_marks(project));
   AdjustmentTask& task = adjustment.task;
   COLLINEA_TRY(const MarkTable table, read_marks(marks, task.block, options.sigma_px));
   COLLINEA_TRY(MarkedBlock block,

@@ -16,6 +16,7 @@
 #include "collinea/jobs/internal/feature_table.h"
 #include "collinea/jobs/marking_project.h"
 #include "collinea/project/project.h"
+#include "collinea/restitution/drawing_now.h"
 #include "collinea/restitution/drawn_vertex.h"
 
 namespace collinea {
@@ -30,7 +31,7 @@ struct Plotting {
 
   static Result<Plotting> of(const Project& project) {
     Plotting all;
-    COLLINEA_TRY(all.oriented, MarkingProject::read(project));
+    COLLINEA_TRY(all.oriented, MarkingProject::read_with_precision(project));
     if (const fs::path dsm = project.folder / "products" / "dsm.tif"; is_there(dsm)) {
       COLLINEA_TRY(all.surface, PlottingSurface::open(dsm));
     }
@@ -69,8 +70,8 @@ void plot_feature(const AskedFeature& asked, VertexPlotter& plotter, const Block
   }
   if (vertices.size() != asked.vertices.size()) return;
   all.vertices[asked.id] = std::move(vertices);
+  if (!asked.code.empty()) draw.attributes["code"] = asked.code;
   all.edits.emplace_back(std::move(draw));
-  if (!asked.code.empty()) all.edits.emplace_back(SetAttribute{asked.id, "code", asked.code});
 }
 
 // "roof": all vertices of a feature; "roof.2": one of them.
@@ -92,8 +93,8 @@ using Vertices = std::map<std::string, std::vector<PlottedVertex>>;
 // A feature that was drawn before, when a figure names it or a vertex of it.
 Result<> add_drawn(const std::string& name, const Drawing& drawing, VertexPlotter& plotter, const Block& block,
                    Vertices& all) {
-  const DrawnFeature* feature = drawing.find(name);
-  if (!feature) feature = drawing.find(name.substr(0, name.rfind('.')));
+  const DrawnFeature* feature = drawing.features.find(name);
+  if (!feature) feature = drawing.features.find(name.substr(0, name.rfind('.')));
   if (!feature || all.contains(feature->id)) return {};
   std::vector<PlottedVertex> vertices;
   for (const DrawnVertex& vertex : feature->vertices) {
@@ -139,6 +140,29 @@ Result<> keep_codes(const fs::path& folder, const fs::path& given) {
   return write_file(folder / "codes.txt", text);
 }
 
+bool has_marks(const Drawing& drawing) {
+  return std::ranges::any_of(drawing.features, [](const DrawnFeature& feature) {
+    return std::ranges::any_of(feature.vertices, [](const DrawnVertex& one) { return !one.marks.empty(); });
+  });
+}
+
+// Vertices with marks become what the adjustment in force makes of them.
+Result<> compute_anew(Drawing& drawing, VertexPlotter& plotter, const Block& block, PlotReport& report) {
+  DrawingComputer computer;
+  COLLINEA_TRY(DrawingNow now, computer.drawing_now(
+                                   drawing, [&] { return &plotter; }, images_by_file(block)));
+  for (const DrawnFeature& feature : drawing.features) {
+    const auto its = now.features.find(feature.id);
+    if (its == now.features.end()) continue;
+    report.recomputed += its->second.computed;
+    const PlotReport::Change change{feature.id, its->second.moved_m, its->second.moved_sigmas, its->second.kept};
+    if (change.moved_sigmas > 1) report.moved.push_back(change);
+    if (!change.kept.empty()) report.as_drawn.push_back(change);
+  }
+  drawing = std::move(now.drawing);
+  return {};
+}
+
 }  // namespace
 
 Result<PlotReport> plot_features(const fs::path& folder, const std::optional<fs::path>& table,
@@ -151,10 +175,12 @@ Result<PlotReport> plot_features(const fs::path& folder, const std::optional<fs:
   Plotted all;
   std::optional<Plotting> plotting;
   std::optional<VertexPlotter> plotter;
-  if (table || !report.figures.empty()) {
+  const auto begin_plotting = [&]() -> Result<> {
     COLLINEA_TRY(plotting, Plotting::of(project));
     plotter.emplace(plotting->plotter());
-  }
+    return {};
+  };
+  if (table || !report.figures.empty()) COLLINEA_TRY(begin_plotting());
   if (table) {
     COLLINEA_TRY(const TextTable text, read_text_table(*table));
     COLLINEA_TRY(const auto asked, features_in(text, plotting->oriented.block, codes, options.sigma_px, options.layer)
@@ -166,7 +192,10 @@ Result<PlotReport> plot_features(const fs::path& folder, const std::optional<fs:
     }
   }
   if (options.codes) COLLINEA_TRY(keep_codes(folder, *options.codes));
-  COLLINEA_TRY(const EditedWork work, read_work(project));
+  COLLINEA_TRY(EditedWork work, read_work(project));
+  if (!plotter && has_marks(work.drawing))
+    if (const auto begun = begin_plotting(); !begun) report.not_recomputed = begun.error().message;
+  if (plotter) COLLINEA_TRY(compute_anew(work.drawing, *plotter, plotting->oriented.block, report));
   if (!report.figures.empty()) measure(report.figures, work.drawing, *plotter, plotting->oriented.block, all.vertices);
   report.features_in_force = work.drawing.features.size();
   COLLINEA_TRY(const DrawingFiles written, write_drawing(project, work.drawing, codes));

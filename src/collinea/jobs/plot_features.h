@@ -35,10 +35,11 @@ struct PlotOptions {
   }
 };
 
-/// Draws the features of a table into a project, as edits, and writes all that is drawn: products/drawing.gpkg and
-/// products/drawing.dxf, with its CRS in drawing.prj beside it. Without a table nothing is drawn. A row is a mark of a
-/// vertex, or a vertex by coordinates (docs/manual/plot.md). A feature of which a vertex cannot be plotted is not
-/// drawn. Errors: not oriented, table, code list, images and codes that there are not; those of make_edits(); files.
+/// Draws the features of a table into a project, as edits, and writes all that is drawn, with vertices that have marks
+/// computed anew by the adjustment in force (DrawingNow): write_drawing(). Without a table nothing is drawn. A row is a
+/// mark of a vertex, or a vertex by coordinates (docs/manual/plot.md). A feature of which a vertex cannot be plotted is
+/// not drawn. Errors: not oriented, table, code list, images and codes that there are not; those of make_edits();
+/// files.
 [[nodiscard]] Result<PlotReport> plot_features(const std::filesystem::path& project,
                                                const std::optional<std::filesystem::path>& table,
                                                const PlotOptions& options, const Run& run);

@@ -8,6 +8,7 @@
 #include <ogr_srs_api.h>
 
 #include "collinea/base/file.h"
+#include "collinea/block/transform.h"
 #include "collinea/edit/make_edits.h"
 #include "collinea/jobs/drawing_files.h"
 #include "collinea/jobs/test_plot_project.h"
@@ -94,7 +95,18 @@ TEST_F(PlotFeatures, FilesOfTheDrawingAreReadByGdalWithTheirCrs) {
   EXPECT_EQ(OGR_G_GetPointCount(OGR_F_GetGeometryRef(entity)), 5);  // closed
   EXPECT_NEAR(OGR_G_GetZ(OGR_F_GetGeometryRef(entity), 0), roof()[0].z(), 1e-3);
   OGR_F_Destroy(entity);
-  // A drawing has no CRS of its own: it stands beside it.
+  // A DXF has no CRS of its own: beside it stands what gives its layers to GDAL in theirs, and the CRS alone.
+  const GdalDataset in_crs(
+      GDALOpenEx((project() / "products" / "drawing.vrt").c_str(), GDAL_OF_VECTOR, nullptr, nullptr, nullptr));
+  ASSERT_TRUE(in_crs);
+  std::map<std::string, std::int64_t> counts;
+  for (int i = 0; i < GDALDatasetGetLayerCount(in_crs.get()); ++i) {
+    const OGRLayerH layer = GDALDatasetGetLayer(in_crs.get(), i);
+    counts[OGR_L_GetName(layer)] = OGR_L_GetFeatureCount(layer, 1);
+    ASSERT_TRUE(OGR_L_GetSpatialRef(layer));
+    EXPECT_EQ(std::string(OSRGetAuthorityCode(OGR_L_GetSpatialRef(layer), nullptr)), "32633");
+  }
+  EXPECT_EQ(counts, (std::map<std::string, std::int64_t>{{"drawing", 2}, {"roof", 2}}));
   const auto prj = read_file(project() / "products" / "drawing.prj");
   ASSERT_TRUE(prj);
   const OGRSpatialReferenceH srs = OSRNewSpatialReference(prj->c_str());
@@ -116,6 +128,68 @@ TEST_F(PlotFeatures, NoCrsStaysBesideADrawingWithout) {
   EXPECT_EQ(written->files.size(), 2u);
   EXPECT_TRUE(is_left("drawing.dxf"));
   EXPECT_FALSE(is_left("drawing.vrt") || is_left("drawing.prj"));
+}
+
+// The block is adjusted again and comes to lie elsewhere: what was drawn by marks follows, as it would be drawn now;
+// what was typed stays; what was marked in a photograph that is gone stays where it was drawn. The journal does not
+// change.
+TEST_F(PlotFeatures, WhatIsDrawnByMarksFollowsTheAdjustment) {
+  ASSERT_TRUE(plot(four_roofs()));
+  const std::string journal = read_file(project() / "journal.jsonl").value();
+  const auto unmoved = plot_features(project(), std::nullopt, {}, {});
+  ASSERT_TRUE(unmoved) << unmoved.error().message;
+  EXPECT_EQ(unmoved->recomputed, 8u);
+  EXPECT_TRUE(unmoved->moved.empty() && unmoved->as_drawn.empty());
+  const Eigen::Vector3d shift(0.5, -0.25, 0.75);
+  Block moved = block_;
+  transform(moved, Similarity3{1, Eigen::Quaterniond::Identity(), shift});
+  {
+    auto store = ProjectStore::open(project());
+    ASSERT_TRUE(store && store->write_adjustment(moved, *store->read_covariances()));
+  }
+  const auto report = plot_features(project(), std::nullopt, {.figures = "area both"}, {});
+  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_EQ(report->moved.size(), 2u);  // both and one
+  EXPECT_EQ(report->moved[0].id, "both");
+  EXPECT_NEAR(report->moved[0].moved_m, shift.norm(), 2e-3);
+  EXPECT_GT(report->moved[0].moved_sigmas, 3);
+  EXPECT_NE(plot_text(*report).find("feature both: computed anew, it moved by 0.9"), std::string::npos)
+      << plot_text(*report);
+  ASSERT_TRUE(report->figures[0].measured) << report->figures[0].refused;
+  EXPECT_NEAR(report->figures[0].measured->value, 80, 0.1);
+  set_up_gdal();
+  const GdalDataset file(
+      GDALOpenEx((project() / "products" / "drawing.gpkg").c_str(), GDAL_OF_VECTOR, nullptr, nullptr, nullptr));
+  ASSERT_TRUE(file);
+  const OGRLayerH vertices = GDALDatasetGetLayerByName(file.get(), "vertices");
+  std::map<std::string, double> first_east;
+  while (const OGRFeatureH vertex = OGR_L_GetNextFeature(vertices)) {
+    const std::string id = OGR_F_GetFieldAsString(vertex, OGR_F_GetFieldIndex(vertex, "feature"));
+    first_east.try_emplace(id, OGR_G_GetX(OGR_F_GetGeometryRef(vertex), 0) - roof()[0].x());
+    OGR_F_Destroy(vertex);
+  }
+  // The world's x axis is east but for the convergence of the map.
+  EXPECT_NEAR(first_east.at("both"), shift.x(), 0.01);
+  EXPECT_NEAR(first_east.at("typed"), 0, 1e-5);
+  EXPECT_EQ(read_file(project() / "journal.jsonl").value(), journal);
+  // A photograph is no longer oriented: what is marked in it stays as it was drawn.
+  remove_pose(moved, ImageId{2});
+  {
+    auto store = ProjectStore::open(project());
+    BlockCovariances covariances = *store->read_covariances();
+    covariances.poses.erase(ImageId{2});
+    ASSERT_TRUE(store->write_adjustment(moved, covariances));
+  }
+  const auto kept = plot_features(project(), std::nullopt, {}, {});
+  ASSERT_TRUE(kept) << kept.error().message;
+  ASSERT_EQ(kept->as_drawn.size(), 1u);
+  EXPECT_EQ(kept->as_drawn[0].id, "both");
+  EXPECT_EQ(kept->as_drawn[0].kept.size(), 4u);
+  EXPECT_NE(
+      plot_text(*kept).find("feature both: 4 of its vertices cannot be computed anew and stay as drawn: vertex 1: "
+                            "image IMG_2.jpg is not oriented"),
+      std::string::npos)
+      << plot_text(*kept);
 }
 
 TEST_F(PlotFeatures, WhatCannotBePlottedIsStatedAndNotDrawn) {
@@ -180,7 +254,7 @@ TEST_F(PlotFeatures, WithoutATableTheFilesFollowTheEdits) {
   ASSERT_TRUE(plot(four_roofs()));
   Journal journal(project());
   const std::vector<Edit> undo = {Undo{}};
-  for (int i = 0; i < 6; ++i) ASSERT_TRUE(make_edits(project(), journal, undo));  // four features, two codes
+  for (int i = 0; i < 4; ++i) ASSERT_TRUE(make_edits(project(), journal, undo));  // codes come and go with features
   const auto report = plot_features(project(), std::nullopt, {}, {});
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_EQ(report->features_in_force, 0u);

@@ -6,6 +6,7 @@
 #include "collinea/jobs/marking_project.h"
 #include "collinea/raster/image_file.h"
 #include "collinea/raster/image_window.h"
+#include "collinea/restitution/map_height.h"
 
 namespace collinea {
 
@@ -19,7 +20,10 @@ Result<MarksReport> predict_marks(const Project& project, const std::string& poi
   std::vector<ControlObservation> marks;
   for (const ControlObservation& mark : setup.control_observations)
     if (mark.point == named->first && oriented.block.images.contains(mark.image)) marks.push_back(mark);
-  report.marks = predicted_marks(oriented.marking(), report.point, marks);
+  MarkingBlock marking = oriented.marking();
+  marking.surface =
+      surface_in_world(oriented.frame_or_null(), heights_by_need(project.folder / "products" / "dsm.tif"));
+  report.marks = predicted_marks(marking, report.point, marks);
   report.block = std::move(oriented.block);
   return report;
 }

@@ -12,8 +12,9 @@
 
 namespace collinea {
 
-/// Where the oriented images of a project show one of its control points: predicted_marks(). Errors: kNotFound, no
-/// point of this name; kIllPosed, the block is not oriented yet.
+/// Where the oriented images of a project show one of its control points: predicted_marks(), with what its
+/// products/dsm.tif hides where there is one. Errors: kNotFound, no point of this name; kIllPosed, the block is not
+/// oriented yet.
 [[nodiscard]] Result<MarksReport> predict_marks(const Project& project, const std::string& point);
 
 struct TargetOptions {

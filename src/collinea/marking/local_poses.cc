@@ -90,9 +90,9 @@ Matrix6 loose_information(const LocalPoses& local, const std::vector<LocalTie>& 
 }  // namespace
 
 std::optional<LinearPixel> linear_pixel(const Camera& camera, const Rigid3& cam_from_world,
-                                        const Vector3d& point_in_world) {
+                                        const Vector3d& point_in_world, Matrix2P* by_camera) {
   Matrix23 by_cam;
-  const auto pixel = project(camera, cam_from_world * point_in_world, &by_cam, nullptr);
+  const auto pixel = project(camera, cam_from_world * point_in_world, &by_cam, by_camera);
   if (!pixel || !pixel->allFinite()) return std::nullopt;
   LinearPixel out;
   out.pixel = *pixel;

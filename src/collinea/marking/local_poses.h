@@ -47,8 +47,9 @@ struct LinearPixel {
   Eigen::Matrix<double, 2, 3> by_point;
   Eigen::Matrix<double, 2, 6> by_pose;
 };
-/// Nothing when the point lies behind the camera.
+/// Nothing when the point lies behind the camera. `by_camera` (may be null) receives the derivatives by Camera::params.
 [[nodiscard]] std::optional<LinearPixel> linear_pixel(const Camera& camera, const Rigid3& cam_from_world,
-                                                      const Eigen::Vector3d& point_in_world);
+                                                      const Eigen::Vector3d& point_in_world,
+                                                      Matrix2P* by_camera = nullptr);
 
 }  // namespace collinea

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "collinea/epipolar/intersect.h"
+#include "collinea/marking/local_poses.h"
 #include "collinea/math/quantiles.h"
 
 namespace collinea {
@@ -34,37 +35,52 @@ double found_shift() {
 struct Equations {
   MatrixXd by_point;    // 2 n x 3
   VectorXd misfit;      // measured minus computed
-  MatrixXd covariance;  // of the measured pixels and of what the poses' errors make of the computed ones
+  MatrixXd covariance;  // of the measured pixels and of what the images' errors make of the computed ones
 };
 
-std::optional<Equations> equations_at(const Block& block, const LocalPoses& local, std::span<const PointMark> marks,
+// The derivatives of a pixel by all that C is of.
+void add_by_images(const Block& block, const JointPoses& images, std::size_t image, const LinearPixel& linear,
+                   const Matrix2P& by_camera, Eigen::Ref<MatrixXd> row) {
+  row.middleCols<6>(6 * Eigen::Index(image)) = linear.by_pose;
+  auto column = 6 * Eigen::Index(images.images.size());
+  for (const JointPoses::FreeCamera& camera : images.cameras) {
+    const bool is_its = camera.camera == block.images.at(images.images[image]).camera;
+    for (const int param : camera.params) {
+      if (is_its) row.col(column) = by_camera.col(param);
+      ++column;
+    }
+  }
+}
+
+std::optional<Equations> equations_at(const Block& block, const JointPoses& images, std::span<const PointMark> marks,
                                       const Vector3d& position) {
   const Eigen::Index count = 2 * Eigen::Index(marks.size());
   Equations e{MatrixXd(count, 3), VectorXd(count), MatrixXd::Zero(count, count)};
-  MatrixXd by_poses = MatrixXd::Zero(count, local.covariance.cols());
+  MatrixXd by_images = MatrixXd::Zero(count, images.covariance.cols());
   for (std::size_t i = 0; i < marks.size(); ++i) {
     const PointMark& mark = marks[i];
-    const auto linear =
-        linear_pixel(block.camera_of(local.images[mark.image]), local.cam_from_world[mark.image], position);
+    const ImageId image = images.images[mark.image];
+    Matrix2P by_camera;
+    const auto linear = linear_pixel(block.camera_of(image), pose_of(block, image), position,
+                                     images.cameras.empty() ? nullptr : &by_camera);
     if (!linear) return std::nullopt;
     const Eigen::Index row = 2 * Eigen::Index(i);
     e.by_point.middleRows<2>(row) = linear->by_point;
     e.misfit.segment<2>(row) = mark.pixel - linear->pixel;
     e.covariance.block<2, 2>(row, row) = mark.covariance;
-    by_poses.block<2, 6>(row, 6 * Eigen::Index(mark.image)) = linear->by_pose;
+    add_by_images(block, images, mark.image, *linear, by_camera, by_images.middleRows<2>(row));
   }
-  e.covariance += by_poses * local.covariance * by_poses.transpose();
+  e.covariance += by_images * images.covariance * by_images.transpose();
   return e;
 }
 
-std::optional<Vector3d> start_of(const Block& block, const LocalPoses& local, std::span<const PointMark> marks) {
+std::optional<Vector3d> start_of(const Block& block, const JointPoses& images, std::span<const PointMark> marks) {
   std::vector<SightLine> lines;
-  for (const PointMark& mark : marks)
-    lines.push_back({&block.camera_of(local.images[mark.image]),
-                     local.cam_from_world[mark.image],
-                     mark.pixel,
-                     std::sqrt(mark.covariance.trace() / 2),
-                     {}});
+  for (const PointMark& mark : marks) {
+    const ImageId image = images.images[mark.image];
+    lines.push_back(
+        {&block.camera_of(image), pose_of(block, image), mark.pixel, std::sqrt(mark.covariance.trace() / 2), {}});
+  }
   const auto found = intersect(lines);
   return found ? std::optional(found->point_in_world) : std::nullopt;
 }
@@ -92,13 +108,17 @@ void add_tests(const Equations& e, const MatrixXd& weight, MarkedPoint& point) {
 
 }  // namespace
 
-std::optional<MarkedPoint> marked_point(const Block& block, const LocalPoses& local, std::span<const PointMark> marks) {
+std::optional<MarkedPoint> marked_point(const Block& block, const JointPoses& images,
+                                        std::span<const PointMark> marks) {
+  constexpr int kMostIterations = 20;
+  // Of a step in its standard deviations, squared; what rounding leaves of large coordinates is let pass in the end.
+  constexpr double kSettled = 1e-14, kNearlySettled = 1e-6;
   if (marks.size() < 2) return std::nullopt;
-  const auto start = start_of(block, local, marks);
+  const auto start = start_of(block, images, marks);
   if (!start) return std::nullopt;
   MarkedPoint point{.position_in_world = *start, .redundancy = 2 * int(marks.size()) - 3};
-  for (int iteration = 0; iteration < 20; ++iteration) {
-    const auto e = equations_at(block, local, marks, point.position_in_world);
+  for (int iteration = 0; iteration < kMostIterations; ++iteration) {
+    const auto e = equations_at(block, images, marks, point.position_in_world);
     if (!e) return std::nullopt;
     const Eigen::LLT<MatrixXd> factor(e->covariance);
     if (factor.info() != Eigen::Success) return std::nullopt;
@@ -107,9 +127,10 @@ std::optional<MarkedPoint> marked_point(const Block& block, const LocalPoses& lo
     const Eigen::LLT<Matrix3d> solver(normal);
     if (solver.info() != Eigen::Success) return std::nullopt;
     point.covariance = solver.solve(Matrix3d::Identity());
-    const Vector3d step = solver.solve(Vector3d(e->by_point.transpose() * weight * e->misfit));
+    point.gain = point.covariance * e->by_point.transpose() * weight;
+    const Vector3d step = point.gain * e->misfit;
     if (!step.allFinite()) return std::nullopt;
-    if (step.dot(normal * step) < 1e-14 || iteration == 19) {  // a ten-millionth of a standard deviation
+    if (step.dot(normal * step) < (iteration + 1 < kMostIterations ? kSettled : kNearlySettled)) {
       point.sigma0 = std::sqrt(e->misfit.dot(weight * e->misfit) / point.redundancy);
       add_tests(*e, weight, point);
       return point;

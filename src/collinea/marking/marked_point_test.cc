@@ -15,7 +15,7 @@ using testing::marking_scene;
 using testing::MarkingScene;
 
 struct Measured {
-  LocalPoses local;
+  JointPoses images;
   std::vector<PointMark> marks;
 };
 
@@ -25,7 +25,7 @@ std::optional<Measured> measured(const MarkingScene& scene, ControlId id, std::s
   if (images.size() < count) return std::nullopt;
   const auto local = local_poses(scene.block, scene.observations, images, scene.poses, 1);
   if (!local) return std::nullopt;
-  Measured out{*local, {}};
+  Measured out{{.images = local->images, .covariance = local->covariance}, {}};
   for (std::size_t i = 0; i < count; ++i) {
     const ControlObservation mark = scene.mark(images[i], id, sigma_px, random);
     out.marks.push_back({i, mark.pixel, mark.sigma_px * mark.sigma_px * Eigen::Matrix2d::Identity()});
@@ -39,7 +39,7 @@ TEST(MarkedPoint, ExactMarksMeetInThePoint) {
   for (const auto& [id, truth] : scene.points) {
     const auto made = measured(scene, id, 3, 0, random);
     ASSERT_TRUE(made);
-    const auto point = marked_point(scene.block, made->local, made->marks);
+    const auto point = marked_point(scene.block, made->images, made->marks);
     ASSERT_TRUE(point);
     EXPECT_LT((point->position_in_world - truth).norm(), 1e-5);
     double redundancy = 0;
@@ -60,7 +60,7 @@ TEST(MarkedPoint, CovarianceAndTestsAreThoseOfTheErrors) {
     const ControlId id{random.below(4)};
     const auto made = measured(scene, id, 4, 0.5, random);
     if (!made) continue;
-    const auto point = marked_point(scene.block, made->local, made->marks);
+    const auto point = marked_point(scene.block, made->images, made->marks);
     ASSERT_TRUE(point);
     const Vector3d error = point->position_in_world - scene.points.at(id);
     sum += error.dot(point->covariance.ldlt().solve(error));
@@ -83,10 +83,10 @@ TEST(MarkedPoint, DetectableErrorsAreFound) {
     const ControlId id{random.below(4)};
     auto made = measured(scene, id, 4, 0.5, random);
     if (!made) continue;
-    const auto clean = marked_point(scene.block, made->local, made->marks);
+    const auto clean = marked_point(scene.block, made->images, made->marks);
     ASSERT_TRUE(clean);
     made->marks[1].pixel.x() += clean->tests[1].detectable_px.x();
-    const auto wrong = marked_point(scene.block, made->local, made->marks);
+    const auto wrong = marked_point(scene.block, made->images, made->marks);
     ASSERT_TRUE(wrong);
     found += std::abs(wrong->tests[1].w.x()) > 3.2905;
     ++count;
@@ -100,10 +100,10 @@ TEST(MarkedPoint, NothingMeetsWhereRaysDoNot) {
   Random random(2);
   const auto made = measured(scene, ControlId{1}, 2, 0.5, random);
   ASSERT_TRUE(made);
-  EXPECT_FALSE(marked_point(scene.block, made->local, std::span(made->marks).first(1)));
-  EXPECT_FALSE(marked_point(scene.block, made->local, {}));
+  EXPECT_FALSE(marked_point(scene.block, made->images, std::span(made->marks).first(1)));
+  EXPECT_FALSE(marked_point(scene.block, made->images, {}));
   const std::vector<PointMark> twice{made->marks[0], made->marks[0]};
-  EXPECT_FALSE(marked_point(scene.block, made->local, twice));
+  EXPECT_FALSE(marked_point(scene.block, made->images, twice));
   EXPECT_FALSE(local_poses(scene.block, scene.observations, {}, scene.poses, 1));
   EXPECT_FALSE(local_poses(scene.block, scene.observations, std::vector{ImageId{999}}, scene.poses, 1));
 }

@@ -29,14 +29,15 @@ double rms_sigma(const AdjustedMarks& marks, const AdjustedMarks& before) {
 }  // namespace
 
 Result<std::optional<NextMark>> best_next_mark(MarkedBlock& block, std::span<const BlockPoint> points,
-                                               std::span<const PossibleMark> possible) {
-  COLLINEA_TRY(const AdjustedMarks before, block.adjust(points));
+                                               std::span<const PossibleMark> possible,
+                                               std::span<const PointLink> ground) {
+  COLLINEA_TRY(const AdjustedMarks before, block.adjust(points, {}, ground));
   std::optional<NextMark> best;
   std::vector<BlockPoint> tried(points.begin(), points.end());
   for (const PossibleMark& one : possible) {
     COLLINEA_CHECK(one.point < points.size());
     tried[one.point].marks.push_back(one.mark);
-    const auto after = block.adjust(tried);
+    const auto after = block.adjust(tried, {}, ground);
     tried[one.point].marks.pop_back();
     if (!after || after->placed != before.placed) continue;
     const NextMark next{one, count_placed(before), count_placed(*after), rms_sigma(before, before),

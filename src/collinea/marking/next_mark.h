@@ -27,8 +27,9 @@ struct NextMark {
 /// that place equally many makes the standard deviations of all that have a position smallest. Standard deviations do
 /// not ask what will be measured, so that each mark can be tried before it is made. The block is brought up to date
 /// once for each. Nothing where there is no mark to make, or none that the block takes. Errors: those of
-/// MarkedBlock::adjust() for the marks that there are.
+/// MarkedBlock::adjust() for the marks that there are. `ground`: what was measured on the ground between the points.
 [[nodiscard]] Result<std::optional<NextMark>> best_next_mark(MarkedBlock& block, std::span<const BlockPoint> points,
-                                                             std::span<const PossibleMark> possible);
+                                                             std::span<const PossibleMark> possible,
+                                                             std::span<const PointLink> ground = {});
 
 }  // namespace collinea

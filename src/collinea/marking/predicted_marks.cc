@@ -6,6 +6,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include "collinea/marking/internal/point_position.h"
 #include "collinea/math/median.h"
@@ -34,21 +36,22 @@ double middle_distance(const Camera& camera, const Vector2d& pixel) {
   return (pixel - size / 2).norm() / size.norm();
 }
 
-// The images that see a position, those nearest to the middle of their format where there are too many, after those
-// that are marked.
+// The images that show a position, after those that are marked; where there are too many those that nothing hides, and
+// of these the nearest to the middle of their format.
 std::vector<ImageId> local_images(const MarkingBlock& in, const Vector3d& position,
                                   const std::vector<ControlObservation>& marks) {
   std::vector<ImageId> images;
   for (const ControlObservation& mark : marks) images.push_back(mark.image);
-  std::vector<std::pair<double, ImageId>> others;
+  std::vector<std::tuple<bool, double, ImageId>> others;
   for (const OrientedImage& one : oriented_images(in.block)) {
     if (std::find(images.begin(), images.end(), one.image) != images.end()) continue;
     const auto pixel = seen_at(in.block, one, position);
-    if (!pixel || is_hidden(in.surface, position, centre_of(one.cam_from_world))) continue;
-    others.emplace_back(middle_distance(in.block.camera_of(one.image), *pixel), one.image);
+    if (!pixel) continue;
+    const bool hidden = is_hidden(in.surface, position, centre_of(one.cam_from_world));
+    others.emplace_back(hidden, middle_distance(in.block.camera_of(one.image), *pixel), one.image);
   }
   std::sort(others.begin(), others.end());
-  for (const auto& [distance, image] : others)
+  for (const auto& [hidden, distance, image] : others)
     if (images.size() < std::max(kMostPredicted, marks.size())) images.push_back(image);
   return images;
 }
@@ -74,16 +77,8 @@ struct Candidate {
   double from_middle;
 };
 
-// Those not marked in the order in which marks do most.
-std::vector<PredictedMark> in_order(std::vector<Candidate> candidates) {
-  std::vector<PredictedMark> ordered, marked;
-  Matrix3d known = Matrix3d::Zero();
-  for (const Candidate& one : candidates)
-    if (one.mark.marked) {
-      known += one.information;
-      marked.push_back(one.mark);
-    }
-  std::erase_if(candidates, [](const Candidate& one) { return one.mark.marked; });
+// Puts candidates into the order in which marks do most beside what is known, which then holds them too.
+void take_in_order(std::vector<Candidate> candidates, Matrix3d& known, std::vector<PredictedMark>& ordered) {
   while (!candidates.empty()) {
     std::vector<double> sigma;
     for (const Candidate& one : candidates) {
@@ -102,6 +97,22 @@ std::vector<PredictedMark> in_order(std::vector<Candidate> candidates) {
     ordered.push_back(candidates[chosen].mark);
     candidates.erase(candidates.begin() + std::ptrdiff_t(chosen));
   }
+}
+
+// Those that are seen, those that are hidden, those that are marked.
+std::vector<PredictedMark> in_order(const std::vector<Candidate>& candidates) {
+  std::vector<PredictedMark> ordered, marked;
+  std::vector<Candidate> seen, hidden;
+  Matrix3d known = Matrix3d::Zero();
+  for (const Candidate& one : candidates)
+    if (one.mark.marked) {
+      known += one.information;
+      marked.push_back(one.mark);
+    } else {
+      (one.mark.hidden ? hidden : seen).push_back(one);
+    }
+  take_in_order(std::move(seen), known, ordered);
+  take_in_order(std::move(hidden), known, ordered);
   ordered.insert(ordered.end(), marked.begin(), marked.end());
   return ordered;
 }
@@ -118,6 +129,7 @@ std::vector<Candidate> candidates_of(const MarkingBlock& in, const LocalPoses& l
     if (!linear) continue;
     Candidate one{.mark = {.image = local.images[i]}};
     one.mark.marked = is_marked(marks, one.mark.image);
+    one.mark.hidden = is_hidden(in.surface, state.position_in_world, centre_of(local.cam_from_world[i]));
     MatrixXd rows = MatrixXd::Zero(2, state.covariance.cols());
     rows.leftCols<3>() = linear->by_point;
     rows.middleCols<6>(3 + 6 * Eigen::Index(i)) = linear->by_pose;
@@ -165,7 +177,8 @@ PredictedMarks predicted_marks(const MarkingBlock& in, const ControlPoint& given
   out.predicted = in_order(candidates_of(in, *local, *state, marks));
   for (PredictedMark& one : out.predicted)
     one.marked |= std::find(out.contradicting.begin(), out.contradicting.end(), one.image) != out.contradicting.end();
-  out.marked = marked_point(in.block, *local, point_marks(*local, marks));
+  out.marked =
+      marked_point(in.block, {.images = local->images, .covariance = local->covariance}, point_marks(*local, marks));
   for (const ControlObservation& mark : marks) out.marked_images.push_back(mark.image);
   return out;
 }

@@ -16,6 +16,7 @@ struct PredictedMark {
   Eigen::Vector2d pixel;
   Eigen::Matrix2d covariance;  ///< of the true position about it [px^2]
   bool marked = false;
+  bool hidden = false;  ///< by the surface: what is marked there is likely something else
   /// Largest standard deviation of the point from its marks and one in this image; nothing where they do not fix it.
   std::optional<double> sigma_after_m;
 };
@@ -35,10 +36,11 @@ struct PredictedMarks {
 ///
 /// Of three marks and more those that the most others contradict by 10 px and six sigmas are not used.
 ///
-/// Predicted: inside the image, in front of the camera, not behind the surface; at most kMostPredicted. Order: the mark
-/// that makes the point best comes first, then the one that does so beside it, and so on, of marks equal within 2 % the
-/// one nearest to the middle of its image; those that are marked come last. Images that have the point marked are
-/// listed wherever the point lies. Empty: neither coordinates nor marks tell where it is.
+/// Predicted: inside the image, in front of the camera; at most kMostPredicted. Order: the mark that makes the point
+/// best comes first, then the one that does so beside it, and so on, of marks equal within 2 % the one nearest to the
+/// middle of its image; then in the same order those that the surface hides (is_hidden()); those that are marked come
+/// last. Images that have the point marked are listed wherever the point lies. Empty: neither coordinates nor marks
+/// tell where it is.
 ///
 /// `given`: coordinates with infinite sigmas are not given; a missing height is that of the tie points.
 [[nodiscard]] PredictedMarks predicted_marks(const MarkingBlock& block, const ControlPoint& given,

@@ -187,7 +187,7 @@ TEST(PredictedMarks, TheBestMarkComesFirst) {
               1, 0.02);
 }
 
-TEST(PredictedMarks, WhatHidesAPointTakesItsPlaces) {
+TEST(PredictedMarks, ImagesThatTheSurfaceHidesComeLastAndAreNamed) {
   const MarkingScene scene = marking_scene(6, false);
   ControlId id{0};  // the one farthest east
   for (const auto& [other, position] : scene.points)
@@ -201,10 +201,21 @@ TEST(PredictedMarks, WhatHidesAPointTakesItsPlaces) {
   const auto free = predicted_marks(marking, scene.block.control.at(id), {});
   marking.surface = wall;
   const auto hidden = predicted_marks(marking, scene.block.control.at(id), {});
-  EXPECT_LT(hidden.predicted.size(), free.predicted.size());
-  EXPECT_FALSE(hidden.predicted.empty());
-  for (const PredictedMark& one : hidden.predicted)
-    EXPECT_GT(centre_of(pose_of(scene.block, one.image)).x(), point.x() - 20);  // over the wall: 60 m up, 5 of 30
+  ASSERT_EQ(hidden.predicted.size(), free.predicted.size());
+  EXPECT_TRUE(std::ranges::none_of(free.predicted, &PredictedMark::hidden));
+  EXPECT_TRUE(std::ranges::is_sorted(hidden.predicted, {}, &PredictedMark::hidden));
+  const auto count = std::ranges::count_if(hidden.predicted, &PredictedMark::hidden);
+  EXPECT_GT(count, 0);
+  EXPECT_LT(count, std::ptrdiff_t(hidden.predicted.size()));
+  for (const PredictedMark& one : hidden.predicted) {
+    const double from_wall = point.x() - centre_of(pose_of(scene.block, one.image)).x();
+    EXPECT_TRUE(one.hidden || from_wall < 20);  // over the wall: 60 m up, 5 of 30
+    EXPECT_TRUE(!one.hidden || from_wall > 4);  // beyond it
+  }
+  // A mark in a hidden image is listed with the marks: a person has seen the point there.
+  const ImageId last = hidden.predicted.back().image;
+  const auto marked = predicted_marks(marking, scene.block.control.at(id), {{id, last, *scene.seen(last, id), 0.5}});
+  EXPECT_TRUE(marked.predicted.back().image == last && marked.predicted.back().marked);
 }
 
 TEST(PredictedMarks, DegenerateOnesGiveNone) {

@@ -3,6 +3,10 @@
 
 // Adjusted blocks with known truth, for the tests of this module only.
 
+#include <gtest/gtest.h>
+
+#include <memory>
+
 #include "collinea/adjust/test_block.h"
 #include "collinea/marking/predicted_marks.h"
 #include "collinea/quality/examine.h"
@@ -15,8 +19,19 @@ struct MarkingScene {
   std::map<ImageId, std::vector<std::size_t>> observations;
   PoseCovariances poses;
   std::map<ControlId, Eigen::Vector3d> points;  ///< where control truly is
+  AdjustScope scope;                            ///< of the adjustment
+  Calibration calibration = Calibration::kNone;
 
   [[nodiscard]] MarkingBlock marking() const { return {block, observations, poses}; }
+  /// With what the adjustment knows of images together.
+  [[nodiscard]] MarkingBlock marking_together() const {
+    MarkingBlock all = marking();
+    const auto precision =
+        std::make_shared<Result<BlockPrecision>>(BlockPrecision::of(block, scope, plain(calibration), {}));
+    EXPECT_TRUE(*precision);
+    all.poses_together = [precision](std::span<const ImageId> images) { return (*precision)->joint_poses(images); };
+    return all;
+  }
   /// Where an image truly shows a point; nothing when it does not.
   [[nodiscard]] std::optional<Eigen::Vector2d> seen(ImageId image, ControlId point) const {
     const auto pixel = project(truth.camera_of(image), pose_of(truth, image) * points.at(point));
@@ -30,7 +45,8 @@ struct MarkingScene {
 };
 
 /// Control is given with `given_sigma_m`; without noise everything is exact.
-inline MarkingScene marking_scene(std::uint64_t seed, bool noise = true, double given_sigma_m = 0.05) {
+inline MarkingScene marking_scene(std::uint64_t seed, bool noise = true, double given_sigma_m = 0.05,
+                                  Calibration calibration = Calibration::kNone) {
   TestBlockOptions options{.rows = 3, .columns = 5, .points = 150, .control = 4, .seed = seed};
   MarkingScene scene;
   scene.truth = test_block(options);
@@ -49,8 +65,10 @@ inline MarkingScene marking_scene(std::uint64_t seed, bool noise = true, double 
     measured.observations = scene.block.observations;
     for (auto& [id, image] : measured.images) image.position->position_in_world = centre_of(pose_of(scene.truth, id));
   }
-  scope.first_cameras.clear();
-  const auto examined = examine(measured, scope, {.adjust = plain()}, {});
+  if (calibration == Calibration::kNone) scope.first_cameras.clear();
+  scene.scope = scope;
+  scene.calibration = calibration;
+  const auto examined = examine(measured, scope, {.adjust = plain(calibration)}, {});
   if (!examined) return scene;
   apply(*examined, measured);
   scene.block = std::move(measured);

@@ -58,6 +58,22 @@ void take_control(const Project& project, const AdjustmentOptions& asked, const 
     judge_as_orient_did(result.orientation, !shift_is_unknown, block, project.run);
 }
 
+// What the adjustment multiplied given sigmas by beyond orientation.
+SigmaFactors factors_since(const OrientationRecord& orientation, const AdjustmentRecord& adjustment) {
+  SigmaFactors factors = factors_of(adjustment.sigma_factors);
+  const SigmaFactors before = factors_of(orientation.sigma_factors);
+  for (std::size_t i = 0; i < factors.size(); ++i) factors[i] /= before[i];
+  return factors;
+}
+
+void take_adjusted(const Block& adjusted, Block& block) {
+  block.cameras = adjusted.cameras;
+  block.poses = adjusted.poses;
+  block.points = adjusted.points;
+  block.observations = adjusted.observations;
+  block.control_observations = adjusted.control_observations;
+}
+
 }  // namespace
 
 ExamineOptions examine_options(const AdjustmentOptions& asked, Calibration calibration) {
@@ -108,6 +124,26 @@ Result<ProjectAdjustment> adjustment_of(const Project& project, const Adjustment
   COLLINEA_TRY(const std::vector<std::string> instead, set_additional(asked, task));
   if (const std::string note = fixed_instead_words(instead); !note.empty()) project.run.say("note: " + note);
   return result;
+}
+
+Result<ProjectAdjustment> adjustment_in_force(const Project& project, const Block& adjusted) {
+  COLLINEA_TRY(const auto record, project.store.read_outcome<AdjustmentRecord>());
+  COLLINEA_TRY(ProjectAdjustment result, adjustment_of(project, project.settings.adjust));
+  AdjustmentTask& task = result.task;
+  task.block = with_sigmas(task.block, factors_since(result.orientation, record));
+  take_adjusted(adjusted, task.block);
+  task.instruments = record.instruments;  // some may have been taken up
+  static_cast<Instruments&>(task.scope) = {};
+  COLLINEA_TRY(add_instruments(task.block, task.instruments, task.scope));
+  return result;
+}
+
+Result<ProjectAdjustment> adjustment_with_marks(const Project& project) {
+  COLLINEA_TRY(ProjectAdjustment begun, adjustment_of(project, project.settings.adjust));
+  if (!project.settings.import.film.calibration) return begun;
+  COLLINEA_TRY(const Block adjusted, project.store.read_block());
+  auto ended = adjustment_in_force(project, adjusted);
+  return ended || ended.error().code != Errc::kNotFound ? std::move(ended) : std::move(begun);
 }
 
 }  // namespace collinea

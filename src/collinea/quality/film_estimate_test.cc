@@ -8,6 +8,7 @@
 
 #include "collinea/adjust/test_block.h"
 #include "collinea/quality/internal/test_examine.h"
+#include "collinea/quality/marked_points.h"
 
 namespace collinea {
 namespace {
@@ -138,6 +139,37 @@ TEST(FilmEstimate, WhatIsGivenStays) {
   EXPECT_EQ(found->process.sigma_px, 0.8);
   EXPECT_EQ(found->process.correlation_px, 400);
   EXPECT_EQ(found->iterations, 0);
+}
+
+// Control that is marked one by one in scans of film gives what the adjustment of everything with it gives: the
+// unknowns of the deformation are among those that marks move. The block lies free without its control.
+TEST(FilmEstimate, MarksInScansOfFilmAreAdjustedAsTogether) {
+  const Scanned made = scanned(5, 0.8, 400, 10, 200);
+  const auto together = examine(made.block, made.scope, testing::examined(), kRun);
+  ASSERT_TRUE(together);
+  auto base = MarkedBlock::of(made.block, made.scope, testing::plain(), BlockControl::kLeftOut, kRun);
+  ASSERT_TRUE(base) << base.error().message;
+  std::vector<BlockPoint> points;
+  for (const auto& [id, control] : made.block.control) {
+    BlockPoint& point = points.emplace_back();
+    point.surveyed = SurveyedPosition{control.position_in_world, control.sigma_m, control.correlation, control.role};
+    for (const ControlObservation& seen : made.block.control_observations)
+      if (seen.point == id) point.marks.push_back({seen.image, seen.pixel, seen.sigma_px, seen.shape});
+  }
+  const auto marks = base->adjust(points);
+  ASSERT_TRUE(marks) << marks.error().message;
+  EXPECT_TRUE(marks->placed && marks->converged);
+  std::size_t p = 0;
+  for (const ControlDifference& control : together->control) {
+    const AdjustedMark& mark = marks->points[p++];
+    ASSERT_TRUE(mark.position_in_world && control.covariance_m2);
+    const Eigen::Matrix3d covariance = mark.covariance_m2 / (marks->sigma0 * marks->sigma0);
+    for (int axis = 0; axis < 3; ++axis) {
+      const double sigma = std::sqrt((*control.covariance_m2)(axis, axis));
+      EXPECT_NEAR((*mark.position_in_world)[axis], (*control.position_in_world)[axis], 0.01 * sigma);
+      EXPECT_NEAR(std::sqrt(covariance(axis, axis)), sigma, 0.01 * sigma);
+    }
+  }
 }
 
 TEST(FilmEstimate, AsManyFunctionsAsTheNumberOfScansAllows) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
 #include "collinea/adjust/bundle.h"
 #include "collinea/adjust/reduced_system.h"
@@ -17,6 +18,8 @@ namespace collinea {
 
 using bundle::BlockMotion;
 using bundle::CovarianceOfImages;
+using bundle::MarkGround;
+using bundle::MarkLink;
 using bundle::MarkPoint;
 using bundle::MarkSolution;
 using Eigen::Index;
@@ -107,6 +110,112 @@ std::optional<Taken> taken_of(const BlockPoint& given, const Block& block,
   return taken;
 }
 
+// Points with a measurement on the ground take part; of check points their coordinates do not.
+void let_linked_take_part(std::span<const PointLink> ground, std::vector<Taken>& taken) {
+  std::set<std::size_t> linked;
+  for (const PointLink& link : ground)
+    if (link.observation.role == ControlRole::kControl) linked.insert({link.from, link.to});
+  for (Taken& one : taken) one.point.takes_part |= linked.contains(one.number);
+}
+
+/// Measurements on the ground as unknowns of their own need them: lays out orientations of set-ups and shapes.
+class GroundLayout {
+ public:
+  GroundLayout(std::span<const Taken> taken, const Earth& earth) : earth_(earth) {
+    for (const Taken& one : taken)
+      if (one.point.takes_part) {
+        numbers_[one.number] = starts_.size();
+        starts_.push_back(one.point.start);
+      }
+  }
+
+  MarkGround lay_out(std::span<const PointLink> ground, bool with_shapes) {
+    MarkGround out;
+    std::map<ShapeKey, std::set<std::size_t>> members;
+    std::map<std::uint32_t, int> directions;  // of each set-up
+    for (const PointLink& link : ground) {
+      if (!takes_part(link)) continue;
+      if (link.observation.is_of_shape()) members[key_of(link)].insert(numbers_.at(link.from));
+      if (link.observation.kind == GeodeticKind::kDirection) ++directions[link.observation.setup];
+    }
+    if (with_shapes) begin_shapes(members, out);
+    for (const PointLink& link : ground) {
+      if (!takes_part(link)) continue;
+      MarkLink made{link.observation, numbers_.at(link.from), numbers_.at(link.to)};
+      if (link.observation.is_of_shape()) {
+        const auto shape = shapes_.find(key_of(link));
+        if (shape == shapes_.end()) continue;
+        made.shape = shape->second.first;
+        made.auxiliary =
+            shape->second.second + (link.observation.kind == GeodeticKind::kOnLine ? 2 * link.observation.axis : 0);
+      } else if (link.observation.kind == GeodeticKind::kDirection) {
+        if (directions.at(link.observation.setup) < 2) continue;  // it orients the set-up, and says no more
+        made.auxiliary = orientation_of(made, out);
+      }
+      out.links.push_back(made);
+    }
+    return out;
+  }
+
+ private:
+  using ShapeKey = std::pair<GeodeticKind, std::uint32_t>;
+  static ShapeKey key_of(const PointLink& link) { return {link.observation.kind, link.observation.setup}; }
+  [[nodiscard]] bool takes_part(const PointLink& link) const {
+    return link.observation.role == ControlRole::kControl && numbers_.contains(link.from) && numbers_.contains(link.to);
+  }
+
+  void begin_shapes(const std::map<ShapeKey, std::set<std::size_t>>& members, MarkGround& out) {
+    for (const auto& [key, points] : members) {
+      std::vector<Vector3d> positions;
+      for (const std::size_t point : points) positions.push_back(starts_[point]);
+      const auto shape = shape_through(key.first, positions);
+      if (!shape || static_cast<int>(points.size()) <= points_of_shape(key.first)) continue;
+      shapes_[key] = {static_cast<int>(out.shapes.size()), static_cast<int>(out.auxiliaries.size())};
+      out.shapes.push_back(*shape);
+      out.auxiliaries.resize(out.auxiliaries.size() + std::size_t(unknowns_of_shape(key.first)), 0);
+      if (key.first != GeodeticKind::kAtHeight) continue;
+      constexpr double kZero = 0;
+      for (const Vector3d& position : positions)
+        out.auxiliaries.back() += shape_model({.kind = key.first}, *shape, &kZero, position, earth_).computed /
+                                  static_cast<double>(positions.size());
+    }
+  }
+
+  // By its first direction; those that follow are at most a turn away, and residuals of angles know no turns.
+  int orientation_of(const MarkLink& link, MarkGround& out) {
+    const auto [its, is_first] =
+        orientations_.try_emplace(link.observation.setup, static_cast<int>(out.auxiliaries.size()));
+    if (is_first)
+      out.auxiliaries.push_back(-geodetic_residual(
+          link.observation, geodetic_model(link.observation, starts_[link.from], starts_[link.to], 0, earth_)));
+    return its->second;
+  }
+
+  const Earth& earth_;
+  std::map<std::size_t, std::size_t> numbers_;  // of points that take part, among these
+  std::vector<Vector3d> starts_;
+  std::map<ShapeKey, std::pair<int, int>> shapes_;  // number of the shape, and of its first unknown
+  std::map<std::uint32_t, int> orientations_;       // of set-ups
+};
+
+MarkGround ground_of(std::span<const Taken> taken, std::span<const PointLink> ground, const Earth& earth,
+                     bool with_shapes) {
+  return GroundLayout(taken, earth).lay_out(ground, with_shapes);
+}
+
+Result<> check(std::span<const PointLink> ground, std::size_t points) {
+  for (const PointLink& link : ground) {
+    if (link.from >= points || link.to >= points)
+      return fail(Errc::kBadInput, "a measurement on the ground is of a point that there is not");
+    if (!(link.observation.sigma > 0) || !std::isfinite(link.observation.sigma) ||
+        !std::isfinite(link.observation.value))
+      return fail(Errc::kBadInput, "a measurement on the ground is no number with a positive standard deviation");
+    if (link.observation.is_of_shape() != (link.from == link.to))
+      return fail(Errc::kBadInput, "a measurement on the ground joins a point with itself, or a shape has two points");
+  }
+  return {};
+}
+
 BlockMarkTest test_of(const bundle::Ray& ray, const MarkSolution& solution, Index row, double sigma0, double delta0) {
   BlockMarkTest out;
   out.redundancy = solution.redundancy.segment<2>(row).cwiseMax(0).cwiseMin(1);
@@ -175,8 +284,6 @@ Result<MarkedBlock> MarkedBlock::of(Block block, const AdjustScope& scope, const
   }
   COLLINEA_TRY(state->system, bundle::reduced_system(state->block, as_given, options, run));
   const bundle::Problem& problem = *state->system->problem;
-  for (const bundle::ProblemCamera& camera : problem.cameras)
-    if (camera.is_of_film()) return fail(Errc::kUnsupported, "scans of film have to be adjusted with their marks");
   if (problem.rank_defect > 0) {
     if (problem.rank_defect != 7 || !problem.moves_as_one || problem.datum.empty())
       return fail(Errc::kUnsupported, "a part of the block has no datum of its own: adjust it with its control");
@@ -190,10 +297,12 @@ Result<MarkedBlock> MarkedBlock::of(Block block, const AdjustScope& scope, const
 namespace {
 
 std::optional<MarkSolution> solved_marks(const bundle::ReducedSystem& system, std::span<const Taken> taken,
-                                         CovarianceOfImages& covariance, const std::optional<BlockMotion>& motion) {
+                                         CovarianceOfImages& covariance, const std::optional<BlockMotion>& motion,
+                                         std::span<const PointLink> ground = {}) {
   std::vector<MarkPoint> points;
   for (const Taken& one : taken) points.push_back(one.point);
-  return bundle::solve_marks(*system.problem, system.state, points, covariance, system.step, motion);
+  const MarkGround measured = ground_of(taken, ground, system.problem->earth, !motion);
+  return bundle::solve_marks(*system.problem, system.state, points, covariance, system.step, motion, measured);
 }
 
 // Of a block that is not placed: coordinates say nothing of it.
@@ -212,8 +321,10 @@ bool leave_out_undetermined(const bundle::ReducedSystem& system, CovarianceOfIma
 
 }  // namespace
 
-Result<AdjustedMarks> MarkedBlock::adjust(std::span<const BlockPoint> points, const TestOptions& test) {
+Result<AdjustedMarks> MarkedBlock::adjust(std::span<const BlockPoint> points, const TestOptions& test,
+                                          std::span<const PointLink> ground) {
   COLLINEA_TRY(check(points));
+  COLLINEA_TRY(check(ground, points.size()));
   COLLINEA_TRY(validate(test));
   State& state = *state_;
   AdjustedMarks out;
@@ -226,9 +337,10 @@ Result<AdjustedMarks> MarkedBlock::adjust(std::span<const BlockPoint> points, co
     one->number = i;
     taken.push_back(*std::move(one));
   }
-  auto solution = solved_marks(*state.system, taken, *state.covariance, state.motion);
+  let_linked_take_part(ground, taken);
+  auto solution = solved_marks(*state.system, taken, *state.covariance, state.motion, ground);
   if (!solution && leave_out_undetermined(*state.system, *state.covariance, taken))
-    solution = solved_marks(*state.system, taken, *state.covariance, state.motion);
+    solution = solved_marks(*state.system, taken, *state.covariance, state.motion, ground);
   if (!solution && state.motion) {
     out.placed = false;
     forget_coordinates(taken);

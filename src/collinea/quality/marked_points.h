@@ -51,6 +51,13 @@ struct BlockMarkTest {
   Eigen::Vector2d minimal_detectable_bias_px = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
 };
 
+/// A measurement on the ground between two points, or of one that lies on a shape (GeodeticObservation::from and to do
+/// not count). With the role kCheck it takes no part.
+struct PointLink {
+  std::size_t from = 0, to = 0;  ///< numbers of points
+  GeodeticObservation observation;
+};
+
 /// A marked point after the adjustment.
 struct AdjustedMark {
   std::optional<Eigen::Vector3d> position_in_world;  ///< nothing: its marks do not determine it
@@ -65,7 +72,7 @@ struct AdjustedMark {
 /// The block and all marked points together.
 struct AdjustedMarks {
   std::vector<AdjustedMark> points;  ///< parallel to what was given
-  Eigen::MatrixXd covariance_m2;     ///< of all points that have a position together, but for check points; 3 rows each
+  Eigen::MatrixXd covariance_m2;     ///< of all points that have a position and take part together; 3 rows each
   double sigma0 = 1;                 ///< of the block without the marks; its square is in the covariances
   bool placed = true;  ///< false: nothing fixes the block, and there is too little control to place it; its own datum
                        ///< holds, and coordinates are only compared
@@ -74,7 +81,8 @@ struct AdjustedMarks {
 
 /// What becomes of the control that a block has.
 enum class BlockControl : std::uint8_t {
-  kLeftOut,  ///< its points are those that are marked; measurements on the ground between them take no part
+  kLeftOut,  ///< its points are those that are marked, and what was measured on the ground between them is given with
+             ///< them
   kKept      ///< it takes part; the points that are marked are others
 };
 
@@ -94,12 +102,16 @@ enum class BlockControl : std::uint8_t {
 /// Redundancy and w of a mark are the diagonal of S^-1 - S^-1 B (..)^-1 B' S^-1 and the residual over its root (Baarda
 /// 1968).
 ///
-/// Check points take no part: they are intersected from the images as all others leave them. Points that were not
-/// surveyed are tie points.
+/// Check points take no part: they are intersected from the images as all others leave them; but those that something
+/// was measured to on the ground take part without their coordinates. Points that were not surveyed are tie points.
+///
+/// Measurements on the ground (PointLink) join the normal equations of the points, with the orientations of set-ups and
+/// what describes shapes as unknowns. Those to points without a position, and to shapes that their points do not
+/// determine, take no part; nor do any in a block that nothing places.
 ///
 /// Rank and datum. Where nothing fixes position, attitude and scale of the block, its seven motions are unknowns
 /// without observations: control on three axes of three points off a line determines them. Blocks whose free parts are
-/// several, or that only some motions of are free, are refused (kUnsupported).
+/// several, or that only some motions of are free, are refused (kUnsupported). Shapes need a block with a datum.
 ///
 /// Cost: one adjustment and its factor at the beginning; then six solutions with that factor for each image that gets
 /// its first mark, and a system of two equations a mark.
@@ -114,7 +126,7 @@ class MarkedBlock {
   static constexpr std::size_t kMostMarks = 1000;
 
   /// Adjusts the block without the points that are marked. Errors: those of adjust(); kIllPosed when images are not
-  /// determined; kUnsupported as above, and of scans of film.
+  /// determined; kUnsupported as above.
   static Result<MarkedBlock> of(Block block, const AdjustScope& scope, const AdjustOptions& options,
                                 BlockControl control, const Run& run);
   MarkedBlock(MarkedBlock&&) noexcept;
@@ -122,8 +134,9 @@ class MarkedBlock {
   ~MarkedBlock();
 
   /// The block with these marks. Points without two marks (or one and coordinates on three axes) have no position.
-  /// Errors: kBadInput (sigmas not positive), kUnsupported (more than kMostMarks).
-  [[nodiscard]] Result<AdjustedMarks> adjust(std::span<const BlockPoint> points, const TestOptions& test = {});
+  /// Errors: kBadInput (sigmas not positive, links to points that there are not), kUnsupported (more than kMostMarks).
+  [[nodiscard]] Result<AdjustedMarks> adjust(std::span<const BlockPoint> points, const TestOptions& test = {},
+                                             std::span<const PointLink> ground = {});
 
   /// The block as adjusted without the points.
   [[nodiscard]] const Block& block() const;

@@ -30,6 +30,16 @@ std::vector<BlockPoint> marked_in(const Block& block) {
   return out;
 }
 
+// What was measured on the ground between them.
+std::vector<PointLink> links_in(const Block& block) {
+  const auto number_of = [&](ControlId id) {
+    return std::size_t(std::distance(block.control.begin(), block.control.find(id)));
+  };
+  std::vector<PointLink> links;
+  for (const GeodeticObservation& one : block.geodetic) links.push_back({number_of(one.from), number_of(one.to), one});
+  return links;
+}
+
 TestBlockOptions small_block(std::uint64_t seed, double position_sigma_m = 0.05) {
   return {.points = 120, .sigma_px = 0.5, .position_sigma_m = position_sigma_m, .control = 9, .seed = seed};
 }
@@ -38,7 +48,7 @@ AdjustedMarks adjusted_marks(const Block& block, Calibration calibration = Calib
   Result<MarkedBlock> base = MarkedBlock::of(block, {}, plain(calibration), BlockControl::kLeftOut, {});
   EXPECT_TRUE(base);
   if (!base) return {};
-  Result<AdjustedMarks> out = base->adjust(marked_in(block), {.sigma0_known = true});
+  Result<AdjustedMarks> out = base->adjust(marked_in(block), {.sigma0_known = true}, links_in(block));
   EXPECT_TRUE(out);
   return out ? *std::move(out) : AdjustedMarks{};
 }
@@ -96,6 +106,97 @@ TEST(MarkedBlock, IsTheAdjustmentOfEverythingTogether) {
   Block loose = test_block(small_block(3, 3.0));
   for (auto& [id, point] : loose.control) point.role = ControlRole::kControl;
   expect_as_together(loose, Calibration::kNone);
+}
+
+// Distances, height differences, directions of a set-up, an azimuth, a plane and a common height: what is measured on
+// the ground tells as much as in the adjustment of everything, also of a block that nothing else fixes, and check
+// points that it is measured to take part as they do there.
+TEST(MarkedBlock, MeasurementsOnTheGroundTakePart) {
+  for (const double position_sigma_m : {0.05, 0.0}) {
+    Block block = test_block(small_block(9, position_sigma_m));
+    testing::Marked made{std::move(block), {}};
+    for (auto& [id, point] : made.block.control) {
+      made.truth[id] = point.position_in_world;
+      point.role = id.value % 4 == 3 ? ControlRole::kCheck : ControlRole::kControl;
+      point.sigma_m.setConstant(0.05);
+    }
+    Random random(9, 3);
+    made.measure(GeodeticKind::kDistance, 0, 1, 0.003, &random);
+    made.measure(GeodeticKind::kDistance, 1, 3, 0.003, &random);
+    made.measure(GeodeticKind::kHeightDifference, 0, 2, 0.002, &random);
+    made.measure(GeodeticKind::kZenithAngle, 2, 4, 2e-4, &random);
+    made.measure(GeodeticKind::kAzimuth, 0, 5, 5e-4, &random);
+    for (const std::uint32_t to : {1u, 2u, 7u}) {
+      made.measure(GeodeticKind::kDirection, 4, to, 3e-4, &random);
+      made.block.geodetic.back().setup = 1;
+    }
+    if (position_sigma_m > 0)
+      for (const std::uint32_t on : {0u, 1u, 2u, 4u, 5u}) {
+        made.block.geodetic.push_back(
+            {.kind = GeodeticKind::kOnPlane, .from = {on}, .to = {on}, .sigma = 4, .setup = 2});
+        made.block.geodetic.push_back(
+            {.kind = GeodeticKind::kAtHeight, .from = {on}, .to = {on}, .sigma = 3, .setup = 3});
+      }
+    made.measure(GeodeticKind::kDistance, 5, 6, 0.003);
+    made.block.geodetic.back().value += 3;  // only compared: it moves nothing
+    made.block.geodetic.back().role = ControlRole::kCheck;
+    expect_as_together(made.block, Calibration::kNone);
+    // They do tell something.
+    const AdjustedMarks with = adjusted_marks(made.block);
+    made.block.geodetic.clear();
+    const AdjustedMarks without = adjusted_marks(made.block);
+    EXPECT_LT(with.points[0].covariance_m2.trace(), 0.8 * without.points[0].covariance_m2.trace());
+  }
+}
+
+// A line has two coordinates across it, each with two unknowns of its own.
+TEST(MarkedBlock, PointsOnALineTakePart) {
+  const auto onto_line = [](std::vector<Vector3d>& positions) {
+    for (Vector3d& position : positions) position = Vector3d(5, 5, 1) + 0.8 * position.x() * Vector3d(0.8, 0.6, 0.05);
+  };
+  testing::Marked made =
+      testing::marked({.points = 120, .sigma_px = 0.5, .position_sigma_m = 0.05, .seed = 11}, 9, onto_line);
+  Random random(11, 4);
+  for (auto& [id, point] : made.block.control) {
+    point.position_in_world += 0.05 * testing::normal3(random);
+    point.sigma_m.setConstant(0.05);
+    for (const int axis : {0, 1})
+      made.block.geodetic.push_back(
+          {.kind = GeodeticKind::kOnLine, .from = id, .to = id, .sigma = 0.01, .setup = 1, .axis = axis});
+  }
+  expect_as_together(made.block, Calibration::kNone);
+  // Across it they know more then, along it they may know as much.
+  const Vector3d along = Vector3d(0.8, 0.6, 0.05).normalized();
+  const auto across = [&](const AdjustedMarks& marks) {
+    const Eigen::Matrix3d& covariance = marks.points[0].covariance_m2;
+    return covariance.trace() - along.dot(covariance * along);
+  };
+  const AdjustedMarks with = adjusted_marks(made.block);
+  made.block.geodetic.clear();
+  EXPECT_LT(across(with), 0.95 * across(adjusted_marks(made.block)));
+}
+
+TEST(MarkedBlock, MeasurementsOnTheGroundAreOfPointsThatThereAre) {
+  const Block block = test_block(small_block(9));
+  auto base = MarkedBlock::of(block, {}, plain(), BlockControl::kLeftOut, {});
+  ASSERT_TRUE(base);
+  const std::vector<BlockPoint> points = marked_in(block);
+  const GeodeticObservation distance{.kind = GeodeticKind::kDistance, .value = 10, .sigma = 0.01},
+      plane{.kind = GeodeticKind::kOnPlane, .sigma = 0.01};
+  GeodeticObservation exact = distance;
+  exact.sigma = 0;
+  for (const PointLink& wrong :
+       {PointLink{0, 99, distance}, PointLink{2, 2, distance}, PointLink{0, 1, plane}, PointLink{0, 1, exact}}) {
+    const auto refused = base->adjust(points, {}, {&wrong, 1});
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, Errc::kBadInput);
+  }
+  // Of a point that has no position nothing is taken.
+  std::vector<BlockPoint> some = points;
+  some[1].marks.clear();
+  const auto alone = base->adjust(some), linked = base->adjust(some, {}, std::vector{PointLink{0, 1, distance}});
+  ASSERT_TRUE(alone && linked);
+  EXPECT_EQ(*alone->points[0].position_in_world, *linked->points[0].position_in_world);
 }
 
 TEST(MarkedBlock, CheckPointsMoveNothing) {

@@ -14,7 +14,10 @@ std::string line_of(const PredictedMark& one, const Block& block) {
   const Eigen::Vector2d variances = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(one.covariance).eigenvalues();
   return fmt::format("{:<24} {:>9.2f} {:>9.2f} {:>9.2f} {:>9.2f} {:>14} {:>7}\n", block.images.at(one.image).file,
                      one.pixel.x(), one.pixel.y(), std::sqrt(variances[1]), std::sqrt(std::max(0.0, variances[0])),
-                     one.sigma_after_m ? fmt::format("{:.4f}", *one.sigma_after_m) : "-", one.marked ? "yes" : "no");
+                     one.sigma_after_m ? fmt::format("{:.4f}", *one.sigma_after_m) : "-",
+                     one.marked   ? "yes"
+                     : one.hidden ? "hidden"
+                                  : "no");
 }
 
 std::string tests_text(const MarksReport& report) {

@@ -56,6 +56,28 @@ std::string remarks_of(const PlotReport::Feature& feature) {
   return text;
 }
 
+// What the adjustment in force makes of what was drawn in another.
+std::string changes_text(const PlotReport& report) {
+  constexpr std::size_t kMostLines = 20;
+  std::string text;
+  if (!report.not_recomputed.empty())
+    text += fmt::format("vertices are where they were drawn: {}\n", report.not_recomputed);
+  const auto more = [&](std::size_t count) {
+    if (count > kMostLines) text += fmt::format("and {} more\n", count - kMostLines);
+  };
+  for (std::size_t i = 0; i < std::min(kMostLines, report.moved.size()); ++i)
+    text += fmt::format("feature {}: computed anew, it moved by {:.3f} m, {:.1f} standard deviations\n",
+                        report.moved[i].id, report.moved[i].moved_m, report.moved[i].moved_sigmas);
+  more(report.moved.size());
+  for (std::size_t i = 0; i < std::min(kMostLines, report.as_drawn.size()); ++i) {
+    const FeatureNow::Kept& first = report.as_drawn[i].kept.front();
+    text += fmt::format("feature {}: {} of its vertices cannot be computed anew and stay as drawn: vertex {}: {}\n",
+                        report.as_drawn[i].id, report.as_drawn[i].kept.size(), first.vertex + 1, first.why);
+  }
+  more(report.as_drawn.size());
+  return text;
+}
+
 }  // namespace
 
 std::string plot_text(const PlotReport& report) {
@@ -65,6 +87,7 @@ std::string plot_text(const PlotReport& report) {
     for (const PlotReport::Feature& feature : report.features) text += remarks_of(feature);
   }
   if (!report.figures.empty()) text += figures_text(report.figures);
+  text += changes_text(report);
   text +=
       fmt::format("{} drawn, {}: {}\n", counted_text(report.features_in_force, "feature"),
                   report.crs.empty() ? "in the frame of the block" : "in " + report.crs, fmt::join(report.files, ", "));

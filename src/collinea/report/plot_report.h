@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "collinea/report/measured_report.h"
+#include "collinea/restitution/drawing_now.h"
 #include "collinea/vector/drawing.h"
 
 namespace collinea {
@@ -28,6 +29,17 @@ struct PlotReport {
   std::vector<MeasuredReport::Figure> figures;
   std::size_t features_in_force = 0;
   std::vector<std::string> files;  ///< that were written, below the project
+
+  /// A feature of the drawing that is not where it was drawn, or not all of it could be computed anew.
+  struct Change {
+    std::string id;
+    double moved_m = 0, moved_sigmas = 0;
+    std::vector<FeatureNow::Kept> kept;
+  };
+  std::size_t recomputed = 0;    ///< vertices of the drawing, by their marks in the adjustment in force
+  std::vector<Change> moved;     ///< by more than their standard deviation
+  std::vector<Change> as_drawn;  ///< with vertices that can no longer be computed
+  std::string not_recomputed;    ///< why none was
 };
 
 [[nodiscard]] std::string plot_text(const PlotReport& report);

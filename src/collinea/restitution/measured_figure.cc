@@ -174,7 +174,8 @@ Result<MeasuredFigure> measure_figure(FigureKind kind, std::span<const std::size
   if (numbers.size() < size.count || (!size.is_least && numbers.size() > size.count))
     return fail(Errc::kBadInput, std::string(word_of(kind)) + " is of " + std::to_string(size.count) + " points" +
                                      (size.is_least ? " or more" : "") + ", not of " + std::to_string(numbers.size()));
-  COLLINEA_CHECK(points.covariance.rows() == Index(3 * points.positions.size()));
+  const bool is_exact = points.covariance.size() == 0;
+  COLLINEA_CHECK(is_exact || points.covariance.rows() == Index(3 * points.positions.size()));
   Corners corners;
   for (const std::size_t number : numbers) {
     if (number >= points.positions.size()) return fail(Errc::kBadInput, "the figure has a point that there is not");
@@ -182,6 +183,7 @@ Result<MeasuredFigure> measure_figure(FigureKind kind, std::span<const std::size
     corners.heights.push_back(points.heights.empty() ? points.positions[number].z() : points.heights[number]);
   }
   COLLINEA_TRY(const Derived figure, derived(kind, corners));
+  if (is_exact) return MeasuredFigure{figure.value, 0};
   // A point may stand in the figure more than once.
   RowVectorXd by_all = RowVectorXd::Zero(points.covariance.rows());
   for (std::size_t i = 0; i < numbers.size(); ++i)

@@ -48,7 +48,7 @@ struct FigureSize {
 struct FigurePoints {
   std::vector<Eigen::Vector3d> positions;  ///< [m]
   std::vector<double> heights = {};        ///< [m]
-  Eigen::MatrixXd covariance;              ///< of all positions together, 3 rows each [m^2]
+  Eigen::MatrixXd covariance = {};         ///< of all positions together, 3 rows each [m^2]; empty: they are exact
 };
 
 struct MeasuredFigure {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "collinea/epipolar/intersect.h"
 #include "collinea/geometry/rotation.h"
+#include "collinea/marking/marked_point.h"
 #include "collinea/restitution/moved_edges.h"
 
 namespace collinea {
@@ -17,7 +17,7 @@ using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using Matrix36 = Eigen::Matrix<double, 3, 6>;
+using Matrix32 = Eigen::Matrix<double, 3, 2>;
 
 // Marks of one image count as one.
 std::size_t count_images(std::span<const ImageMark> marks) {
@@ -36,15 +36,6 @@ Result<> check(const Block& block, const ImageMark& mark) {
   return {};
 }
 
-void add(std::vector<std::pair<ImageId, Matrix36>>& all, ImageId image, const Matrix36& by_pose) {
-  for (auto& [known, sum] : all)
-    if (known == image) {
-      sum += by_pose;
-      return;
-    }
-  all.emplace_back(image, by_pose);
-}
-
 SurfaceRay ray_of(const Block& block, const ImageMark& mark) {
   const Rigid3 pose = pose_of(block, mark.image);
   return {centre_of(pose),
@@ -52,9 +43,9 @@ SurfaceRay ray_of(const Block& block, const ImageMark& mark) {
 }
 
 // What a ray and its pixel are to each other, at the point that it passes at t.
-Eigen::Matrix<double, 3, 2> by_pixel(const Block& block, const ImageMark& mark, double t) {
+Matrix32 by_pixel(const Block& block, const ImageMark& mark, double t) {
   constexpr double kStep_px = 0.01;
-  Eigen::Matrix<double, 3, 2> out;
+  Matrix32 out;
   for (int k = 0; k < 2; ++k) {
     ImageMark ahead = mark, behind = mark;
     ahead.pixel[k] += kStep_px;
@@ -102,7 +93,22 @@ std::string message_of(MonoplotOutcome outcome) {
   return {};
 }
 
+template <class Key, class Value>
+void add_to(std::vector<std::pair<Key, Value>>& all, Key key, const Value& value) {
+  for (auto& [known, sum] : all)
+    if (known == key) {
+      sum += value;
+      return;
+    }
+  all.emplace_back(key, value);
+}
+
 }  // namespace
+
+void MovedByImages::add(ImageId image, const ByPose& pose, CameraId camera, const ByCamera& params) {
+  add_to(by_pose, image, pose);
+  add_to(by_camera, camera, params);
+}
 
 Vector3d VertexPlotter::in_world(const Vector3d& on_map) const {
   return frame_ ? frame_->local_from_map(on_map) : on_map;
@@ -140,24 +146,34 @@ Result<PlottedVertex> VertexPlotter::plot_one(const MarkedVertex& asked) {
 
 Result<PlottedVertex> VertexPlotter::stereo(std::span<const ImageMark> marks) {
   const Block& block = marking_.block;
-  std::vector<SightLine> lines;
-  for (const ImageMark& mark : marks)
-    lines.push_back({&block.camera_of(mark.image), pose_of(block, mark.image), mark.pixel, mark.sigma_px, {}});
-  const auto found = intersect(lines);
-  if (!found)
+  const auto apart = [] {
     return fail(Errc::kIllPosed, "the rays of the marks do not meet: they are too parallel, or meet behind a camera");
-  PlottedVertex vertex{.position = in_map(found->point_in_world),
-                       .position_in_world = found->point_in_world,
+  };
+  const auto named = images_of(marks);
+  if (!named) return apart();
+  const std::optional<JointPoses>& known = poses_of(*named);
+  const auto size = 6 * Index(named->size());
+  const JointPoses images = known ? *known : JointPoses{.images = *named, .covariance = MatrixXd::Zero(size, size)};
+  std::vector<PointMark> seen;
+  for (const ImageMark& mark : marks)
+    seen.push_back({std::size_t(std::ranges::find(images.images, mark.image) - images.images.begin()), mark.pixel,
+                    mark.sigma_px * mark.sigma_px * Eigen::Matrix2d::Identity()});
+  const auto found = marked_point(block, images, seen);
+  if (!found) return apart();
+  PlottedVertex vertex{.position = in_map(found->position_in_world),
+                       .position_in_world = found->position_in_world,
                        .source = VertexSource::kStereo,
-                       .errors = VertexErrors{found->covariance}};
-  vertex.residuals_px = found->residuals_px;
-  for (const ImageMark& mark : marks) {
-    const auto linear = linear_pixel(block.camera_of(mark.image), pose_of(block, mark.image), found->point_in_world);
+                       .errors = VertexErrors{}};
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    vertex.residuals_px.push_back(found->tests[i].residual_px);
+    const Camera& camera = block.camera_of(marks[i].image);
+    Matrix2P by_camera;
+    const auto linear = linear_pixel(camera, pose_of(block, marks[i].image), found->position_in_world, &by_camera);
     if (!linear) return fail(Errc::kIllPosed, "the point lies behind a camera");
-    // G of this mark: (B'WB)^-1 B'W
-    const Eigen::Matrix<double, 3, 2> gain =
-        found->covariance * linear->by_point.transpose() / (mark.sigma_px * mark.sigma_px);
-    add(vertex.errors->by_pose, mark.image, -gain * linear->by_pose);
+    const Matrix32 gain = found->gain.middleCols<2>(2 * Index(i));
+    vertex.errors->covariance_m2 += gain * seen[i].covariance * gain.transpose();
+    vertex.errors->by_images.add(marks[i].image, -gain * linear->by_pose, block.images.at(marks[i].image).camera,
+                                 -gain * by_camera);
   }
   return vertex;
 }
@@ -207,16 +223,22 @@ Result<VertexErrors> VertexPlotter::mono_errors(const ImageMark& mark, const Sur
   COLLINEA_TRY(const HeightSample height, surface_->samples.at(on_map.head<2>()));
   const double sigma = surface_->has_sigmas ? height.sigma_relative_m : std::nan("");
   const Matrix3d onto = Matrix3d::Identity() - d * normal.transpose() / along;
-  const Eigen::Matrix<double, 3, 2> pixels = onto * by_pixel(marking_.block, mark, met.t);
+  const Matrix32 pixels = onto * by_pixel(marking_.block, mark, met.t);
   const Vector3d by_height = d / along;
   VertexErrors errors{mark.sigma_px * mark.sigma_px * pixels * pixels.transpose() +
                       squared_sigma(sigma, step_m) * by_height * by_height.transpose()};
-  Matrix36 by_pose;
+  MovedByImages::ByPose by_pose;
   by_pose << met.t * skew(d), Matrix3d::Identity();
-  add(errors.by_pose, mark.image, onto * by_pose);
-  // The surface moves with the poses, too.
-  for (const auto& [image, moved] : moved_by_poses(ray.at(met.t)))
-    add(errors.by_pose, image, by_height * normal.transpose() * moved);
+  const CameraId camera = marking_.block.images.at(mark.image).camera;
+  Matrix2P by_camera;
+  if (!linear_pixel(marking_.block.cameras.at(camera), pose_of(marking_.block, mark.image), ray.at(met.t), &by_camera))
+    return fail(Errc::kIllPosed, "the point lies behind the camera");
+  errors.by_images.add(mark.image, onto * by_pose, camera, -pixels * by_camera);
+  // The surface moves with the images, too.
+  const MovedByImages surface = moved_with_images(ray.at(met.t));
+  const Matrix3d up = by_height * normal.transpose();
+  for (const auto& [image, moved] : surface.by_pose) add_to(errors.by_images.by_pose, image, (up * moved).eval());
+  for (const auto& [its, moved] : surface.by_camera) add_to(errors.by_images.by_camera, its, (up * moved).eval());
   return errors;
 }
 
@@ -245,9 +267,9 @@ Result<PlottedVertex> VertexPlotter::plot_one(const VertexOnSurface& asked) {
     on_map += plan * plan * moved * moved.transpose();
   }
   const Matrix3d world_by_map = map_by_world(vertex.position_in_world).inverse();
-  vertex.errors =
-      VertexErrors{world_by_map * on_map * world_by_map.transpose(), false, moved_by_poses(vertex.position_in_world)};
-  if (vertex.errors->by_pose.empty()) vertex.errors.reset();
+  vertex.errors = VertexErrors{world_by_map * on_map * world_by_map.transpose(), false,
+                               moved_with_images(vertex.position_in_world)};
+  if (vertex.errors->by_images.empty()) vertex.errors.reset();
   return vertex;
 }
 
@@ -260,7 +282,7 @@ Result<PlottedVertex> VertexPlotter::plot_one(const GivenVertex& asked) {
   const Matrix3d world_by_map = map_by_world(vertex.position_in_world).inverse();
   vertex.errors =
       VertexErrors{world_by_map * asked.sigma_m->cwiseAbs2().asDiagonal() * world_by_map.transpose(), false, {}};
-  if (asked.source == VertexSource::kCloud) vertex.errors->by_pose = moved_by_poses(vertex.position_in_world);
+  if (asked.source == VertexSource::kCloud) vertex.errors->by_images = moved_with_images(vertex.position_in_world);
   return vertex;
 }
 
@@ -284,7 +306,7 @@ std::optional<VertexErrors> VertexPlotter::as_drawn(const RepeatedVertex& asked,
     const auto again = plot_one(MarkedVertex{asked.marks});
     if (again && again->errors) return again->errors;
   } else if (drawn.source == VertexSource::kSurface || drawn.source == VertexSource::kCloud) {
-    errors.by_pose = moved_by_poses(position_in_world);
+    errors.by_images = moved_with_images(position_in_world);
   }
   return errors;
 }
@@ -295,10 +317,8 @@ VertexFigures::VertexFigures(VertexPlotter& plotter, std::vector<PlottedVertex> 
     points_.heights.push_back(vertex.position.z());
   }
   auto covariance = plotter.covariance(vertices);
-  if (covariance)
-    points_.covariance = *std::move(covariance);
-  else
-    why_no_sigma_ = covariance.error();
+  has_sigma_ = covariance.has_value();
+  if (covariance) points_.covariance = *std::move(covariance);
 }
 
 Result<FigureOfVertices> VertexFigures::measure(FigureKind kind) const {
@@ -308,16 +328,8 @@ Result<FigureOfVertices> VertexFigures::measure(FigureKind kind) const {
 }
 
 Result<FigureOfVertices> VertexFigures::measure(FigureKind kind, std::span<const std::size_t> numbers) const {
-  if (why_no_sigma_ && why_no_sigma_->code == Errc::kUnsupported) return tl::unexpected(*why_no_sigma_);
-  if (!why_no_sigma_) {
-    COLLINEA_TRY(const MeasuredFigure figure, measure_figure(kind, numbers, points_));
-    return FigureOfVertices{figure.value, figure.sigma};
-  }
-  FigurePoints exact = points_;
-  const Index size = 3 * Index(points_.positions.size());
-  exact.covariance = MatrixXd::Zero(size, size);
-  COLLINEA_TRY(const MeasuredFigure figure, measure_figure(kind, numbers, exact));
-  return FigureOfVertices{figure.value, std::nullopt};
+  COLLINEA_TRY(const MeasuredFigure figure, measure_figure(kind, numbers, points_));
+  return FigureOfVertices{figure.value, has_sigma_ ? std::optional(figure.sigma) : std::nullopt};
 }
 
 }  // namespace collinea

@@ -46,12 +46,23 @@ struct RepeatedVertex {
 };
 using AskedVertex = std::variant<MarkedVertex, VertexOnSurface, GivenVertex, RepeatedVertex>;
 
-/// What the position of a vertex owes to whom, in the world: dX = own error + sum by_pose * pose error.
+/// How the errors of images move a position in the world: sum by_pose * pose error + sum by_camera * camera error. An
+/// image, and a camera, stands once.
+struct MovedByImages {
+  using ByPose = Eigen::Matrix<double, 3, 6>;  ///< of [rotation (rad, in world), centre (m)], as JointPoses has them
+  using ByCamera = Eigen::Matrix<double, 3, Camera::kAllParams>;  ///< of Camera::params
+  std::vector<std::pair<ImageId, ByPose>> by_pose = {};
+  std::vector<std::pair<CameraId, ByCamera>> by_camera = {};
+
+  [[nodiscard]] bool empty() const { return by_pose.empty(); }
+  void add(ImageId image, const ByPose& pose, CameraId camera, const ByCamera& params);
+};
+
+/// What the position of a vertex owes to whom, in the world: dX = own error + what the images move.
 struct VertexErrors {
   Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();  ///< of the own error, or of everything ...
-  bool is_of_all = false;                                   ///< ... the own error is what the poses leave of it then
-  /// Of [rotation (rad, in world), centre (m)], as LocalPoses has them; an image stands once.
-  std::vector<std::pair<ImageId, Eigen::Matrix<double, 3, 6>>> by_pose = {};
+  bool is_of_all = false;                                   ///< ... the own error is what the images leave of it then
+  MovedByImages by_images = {};
 };
 
 struct PlottedVertex {
@@ -59,19 +70,21 @@ struct PlottedVertex {
   Eigen::Vector3d position_in_world;  ///< in the block
   VertexSource source = VertexSource::kTyped;
   std::optional<VertexErrors> errors;              ///< nothing: not known
-  std::vector<Eigen::Vector2d> residuals_px = {};  ///< of the marks of several images: marked minus computed
+  std::vector<Eigen::Vector2d> residuals_px = {};  ///< of the marks of several images: marked minus where these show it
 };
 
 /// Plots vertices in an oriented block (docs/theory/plotting.md).
 ///
-/// Stereo: least-squares intersection by the sigmas of the marks; with B and A the derivatives of the pixels by point
-/// and poses and W the weights of the marks, G = (B'WB)^-1 B'W, the own covariance is (B'WB)^-1 and the poses move the
-/// point by -G A. Mono: see meeting(). What lies on the surface, or comes from the cloud, moves with the poses as a
-/// point does that the (up to kNearest) images nearest to it see with equal weights. Beside a wall the surface may be
-/// that of the other side (moved_edges()): half the step counts as a standard deviation of the height.
+/// Stereo: the point and the poses and cameras of its images adjusted together (marked_point()), as a tie point of the
+/// block; of marks with the covariance Sigma and the gain G the own covariance is G Sigma G', and errors of the images
+/// move the point by -G J. Where the covariance of the poses is not known they count as exact. Mono: see meeting().
+/// What lies on the surface, or comes from the cloud, moves with the images as a point does that the (up to kNearest)
+/// images nearest to it see with equal weights. Beside a wall the surface may be that of the other side
+/// (moved_edges()): half the step counts as a standard deviation of the height.
 ///
-/// The covariance of several vertices together is that of their own errors, each for itself, and J C J' of all poses
-/// (local_poses(): those of the images named, and of the nearest that see each vertex).
+/// The covariance of several vertices together is that of their own errors, each for itself, and J C J' of all images:
+/// C is that of MarkingBlock::poses_together, or of local_poses() (of the images named, and of the nearest that see
+/// each vertex, cameras exact).
 class VertexPlotter {
  public:
   static constexpr std::size_t kNearest = 4;         ///< images by which the surface was made, of a vertex
@@ -105,21 +118,23 @@ class VertexPlotter {
                                    const Eigen::Vector3d& on_map, const Eigen::Matrix3d& map_by_world, double step_m);
   std::optional<VertexErrors> as_drawn(const RepeatedVertex& asked, const Eigen::Vector3d& position_in_world);
   [[nodiscard]] std::vector<ImageId> nearest(const Eigen::Vector3d& position_in_world, std::size_t most) const;
-  [[nodiscard]] std::vector<std::pair<ImageId, Eigen::Matrix<double, 3, 6>>> moved_by_poses(
-      const Eigen::Vector3d& position_in_world) const;
+  [[nodiscard]] MovedByImages moved_with_images(const Eigen::Vector3d& position_in_world) const;
+  [[nodiscard]] std::optional<std::vector<ImageId>> images_of(std::span<const ImageMark> marks) const;
   [[nodiscard]] std::vector<ImageId> images_of(std::span<const PlottedVertex> vertices) const;
+  void add_neighbours(const Eigen::Vector3d& position_in_world, std::vector<ImageId>& images) const;
   [[nodiscard]] Eigen::Vector3d in_world(const Eigen::Vector3d& on_map) const;
   [[nodiscard]] Eigen::Vector3d in_map(const Eigen::Vector3d& in_world) const;
-  const std::optional<LocalPoses>& poses_of(const std::vector<ImageId>& images);
+  const std::optional<JointPoses>& poses_of(const std::vector<ImageId>& images);
 
   MarkingBlock marking_;
   const LocalFrame* frame_;
   PlottingSurface* surface_;
-  std::map<std::vector<ImageId>, std::optional<LocalPoses>> poses_;  // made so far
+  static constexpr std::size_t kMostKept = 256;                      // sets of images
+  std::map<std::vector<ImageId>, std::optional<JointPoses>> poses_;  // made so far
 };
 
-/// A figure of vertices in their order; `sigma`: nothing where the errors of a vertex are not known. Errors: as
-/// measure_figure(); kUnsupported, of more vertices or images than VertexPlotter::covariance() takes.
+/// A figure of vertices in their order; `sigma`: nothing where VertexPlotter::covariance() has none: where the errors
+/// of a vertex are not known, and of more vertices or images than it takes. Errors: as measure_figure().
 struct FigureOfVertices {
   double value = 0;
   std::optional<double> sigma;
@@ -134,7 +149,7 @@ class VertexFigures {
 
  private:
   FigurePoints points_;
-  std::optional<Error> why_no_sigma_;
+  bool has_sigma_ = false;
 };
 
 }  // namespace collinea

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collinea/epipolar/intersect.h"
+#include "collinea/geometry/rotation.h"
 #include "collinea/math/random.h"
 #include "collinea/restitution/test_stereo.h"
 
@@ -100,6 +102,60 @@ TEST(StereoChoices, RealErrorsConfirmTheStandardDeviation) {
   // chi-squared over n has the standard deviation sqrt(2 / n): four of them, and 4 % for pixels of the pair that are
   // not quite those of the photographs
   EXPECT_NEAR(squares / kTrials, 1, 4 * std::sqrt(2.0 / kTrials) + 0.04);
+}
+
+// The pose term: poses drawn by their joint covariance, marks by theirs; heights that are intersected in the poses as
+// they are known miss the truth as the choice says.
+TEST(StereoChoices, RealErrorsOfPosesAndMarksConfirmTheStandardDeviation) {
+  Strip strip = strip_of(3, 0.75);
+  Eigen::Matrix<double, 6, 1> sigma;
+  sigma << 2e-4, 3e-4, 2e-4, 0.03, 0.02, 0.04;
+  for (const OrientedImage& one : oriented_images(strip.block))
+    strip.poses[one.image] = Eigen::Matrix<double, 6, 6>(sigma.cwiseAbs2().asDiagonal());
+  strip.observations = observations_by_image(strip.block);
+  const Vector3d position = middle_of(strip);
+  const auto choices = stereo_choices(strip.marking(), position);
+  ASSERT_FALSE(choices.empty());
+  const StereoChoice& best = choices.front();
+  // The poses of all images that show the place, as the choice has them.
+  std::vector<ImageId> images;
+  for (const OrientedImage& one : oriented_images(strip.block)) {
+    const Camera& camera = strip.block.camera_of(one.image);
+    const auto pixel = project(camera, one.cam_from_world * position);
+    if (!pixel) continue;
+    const Eigen::Array2d share = pixel->array() / Eigen::Array2d(camera.width_px, camera.height_px);
+    if (share.minCoeff() >= kRim && share.maxCoeff() <= 1 - kRim) images.push_back(one.image);
+  }
+  const auto local = local_poses(strip.block, strip.observations, images, strip.poses, 1);
+  ASSERT_TRUE(local);
+  const Eigen::MatrixXd root = local->covariance.llt().matrixL();
+  Random random(8, 2);
+  constexpr int kTrials = 2000;
+  double squares = 0, of_marks = 0;
+  for (int i = 0; i < kTrials; ++i) {
+    Eigen::VectorXd errors(root.cols());
+    for (double& one : errors) one = random.normal();
+    errors = (root * errors).eval();
+    std::vector<SightLine> lines, exact;
+    for (const ImageId image : best.images) {
+      const Eigen::Index at = 6 * (std::ranges::find(images, image) - images.begin());
+      const Camera& camera = strip.block.camera_of(image);
+      const Rigid3 known = pose_of(strip.block, image);
+      const Eigen::Quaterniond rotation = known.rotation * rotation_by(errors.segment<3>(at));
+      const Vector3d centre = centre_of(known) + errors.segment<3>(at + 3);
+      const double du = random.normal(), dv = random.normal();
+      const Eigen::Vector2d noise = kPointing_px * Eigen::Vector2d(du, dv);
+      const Rigid3 truth{rotation, -(rotation * centre)};
+      lines.push_back({&camera, known, *project(camera, truth * position) + noise, kPointing_px, {}});
+      exact.push_back({&camera, known, *project(camera, known * position) + noise, kPointing_px, {}});
+    }
+    const auto met = intersect(lines), with_exact_poses = intersect(exact);
+    ASSERT_TRUE(met && with_exact_poses);
+    squares += std::pow((met->point_in_world.z() - position.z()) / *best.sigma_height_m, 2);
+    of_marks += std::pow((with_exact_poses->point_in_world.z() - position.z()) / *best.sigma_height_m, 2);
+  }
+  EXPECT_NEAR(squares / kTrials, 1, 4 * std::sqrt(2.0 / kTrials));
+  EXPECT_LT(of_marks / kTrials, 0.8);  // the poses do add something
 }
 
 TEST(StereoChoices, WhatTheSurfaceHidesComesLast) {

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <memory>
 #include <set>
 
 #include "collinea/math/median.h"
@@ -65,17 +63,6 @@ Result<Vector3d> position_in_both(const MarkingBlock& in, ImageId one, ImageId o
   return *std::ranges::min_element(shared, {}, [&](const Vector3d& at) { return (at - middle).norm(); });
 }
 
-SurfaceHeight surface_in_world(const LocalFrame* frame, const MapHeight& surface) {
-  if (!surface) return {};
-  return [frame, surface](const Vector2d& at) -> std::optional<double> {
-    if (!frame) return surface(at);
-    // Curvature: a height of the map is that of the world but for their difference at the place.
-    const Vector3d map = frame->map_from_local({at.x(), at.y(), 0});
-    const auto height = map.allFinite() ? surface(map.head<2>()) : std::nullopt;
-    return height ? std::optional(*height - map.z()) : std::nullopt;
-  };
-}
-
 double reach_of(const Block& block, const StereoGeometry& model, const Vector3d& position) {
   constexpr double kMost_m = 5000;
   double reach = 1;
@@ -88,33 +75,6 @@ double reach_of(const Block& block, const StereoGeometry& model, const Vector3d&
 }
 
 }  // namespace
-
-MapHeight heights_about(const HeightField& field) {
-  struct Window {
-    HeightField field;
-    std::optional<FloatImage> heights = {};
-    int left = 0, top = 0;
-  };
-  const auto window = std::make_shared<Window>(Window{field});
-  return [window](const Vector2d& on_map) -> std::optional<double> {
-    constexpr int kReach = 400;
-    const MapGrid& grid = window->field.grid;
-    const double column = grid.column_of(on_map.x()), row = grid.row_of(on_map.y());
-    if (!(column >= 0 && row >= 0 && column < grid.width && row < grid.height)) return std::nullopt;
-    if (!window->heights) {
-      window->left = std::max(int(column) - kReach, 0), window->top = std::max(int(row) - kReach, 0);
-      const int width = std::min(int(column) + kReach, grid.width) - window->left;
-      const int height = std::min(int(row) + kReach, grid.height) - window->top;
-      auto heights = window->field.read(window->left, window->top, width, height);
-      window->heights = heights ? *std::move(heights) : FloatImage();
-    }
-    const FloatImage& heights = *window->heights;
-    const double x = column - window->left, y = row - window->top;
-    if (!(x >= 0 && y >= 0 && x < heights.width && y < heights.height)) return std::nullopt;
-    const float height = height_at(heights, x, y, grid.cell_m);
-    return std::isfinite(height) ? std::optional<double>(height) : std::nullopt;
-  };
-}
 
 Result<StereoView> stereo_view(const MarkingBlock& given, const LocalFrame* frame, const MapHeight& surface,
                                const AskedStereo& asked) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -10,9 +9,9 @@
 #include "collinea/base/result.h"
 #include "collinea/geodesy/local_frame.h"
 #include "collinea/marking/marking_block.h"
+#include "collinea/restitution/map_height.h"
 #include "collinea/restitution/stereo_geometry.h"
 #include "collinea/restitution/stereo_pairs.h"
-#include "collinea/surface/height_field.h"
 
 namespace collinea {
 
@@ -21,13 +20,6 @@ struct AskedStereo {
   std::optional<Eigen::Vector2d> on_map;
   std::optional<std::pair<ImageId, ImageId>> images;
 };
-
-/// The height of the surface at a position of the map; nothing where none is known.
-using MapHeight = std::function<std::optional<double>(const Eigen::Vector2d& on_map)>;
-
-/// Those of a raster, kept for 400 cells about the position that is asked for first: what may hide a place stands near
-/// it. Nothing beyond. Not for several threads at once.
-[[nodiscard]] MapHeight heights_about(const HeightField& field);
 
 /// A pair with the mark at the place.
 struct StereoView {

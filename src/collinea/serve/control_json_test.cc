@@ -10,6 +10,7 @@
 #include "collinea/edit/make_edits.h"
 #include "collinea/geometry/rotation.h"
 #include "collinea/project/settings.h"
+#include "collinea/raster/geotiff.h"
 #include "collinea/raster/image_file.h"
 #include "collinea/serve/work_json.h"
 #include "collinea/steps/flow.h"
@@ -137,6 +138,36 @@ TEST_F(ControlJsonTest, MarksArePredictedInTheOthers) {
   EXPECT_NEAR(found.at("marked").at("difference_m").at(0).get<double>(), 0, 1e-4);
   EXPECT_TRUE(found.at("marked").at("difference_m").at(2).is_null());  // no height was given
   EXPECT_EQ(predicted_marks_json(*view(), "none").error().code, Errc::kNotFound);
+}
+
+// A house of 20 m beside the point, in the surface of the project: the photographs beyond it come last.
+TEST_F(ControlJsonTest, WhatTheSurfaceHidesComesLastAmongThePlaces) {
+  const Vector3d at = block_.control.at(ControlId{5}).position_in_map;
+  const MapGrid grid{at.x() - 60, at.y() + 40, 0.5, 240, 160, world_frame(*block_.georeference)->wkt1()};
+  FloatImage heights(grid.width, grid.height, 1, float(at.z()));
+  for (int row = 0; row < grid.height; ++row)
+    for (int column = 0; column < grid.width; ++column)
+      if (const double east = grid.east_of(column + 0.5) - at.x(); east > 3 && east < 7)
+        heights.at(column, row) = float(at.z() + 20);
+  std::filesystem::create_directories(folder_ / "project" / "products");
+  auto writer = GeoTiffWriter<float>::create(folder_ / "project" / "products" / "dsm.tif", grid, 1, {.nodata = -9999});
+  ASSERT_TRUE(writer && writer->write(0, 0, heights) && writer->finish());
+  const auto text = predicted_marks_json(*view(), "P/1 a");
+  ASSERT_TRUE(text) << text.error().message;
+  const json found = json::parse(*text);
+  std::map<std::uint32_t, bool> hidden;
+  bool before = false;
+  for (const json& one : found.at("places")) {
+    hidden[one.at("image")] = one.at("hidden");
+    if (one.at("marked") == true) continue;
+    EXPECT_TRUE(one.at("hidden") == true || !before);
+    before = one.at("hidden");
+  }
+  // The point lies at x = 25, the photographs at 0, 20 and 40, 60 m up: the ray to the last passes the near side of the
+  // house at 12 of its 20 m. That at 60 does not show the point.
+  ASSERT_EQ(hidden.size(), 3u);
+  EXPECT_FALSE(hidden.at(0) || hidden.at(1));
+  EXPECT_TRUE(hidden.at(2));
 }
 
 // What is edited shows at once; the view is read anew.

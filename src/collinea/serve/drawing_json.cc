@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collinea/serve/drawing_json.h"
 
+#include <algorithm>
+
 #include "collinea/base/file.h"
 #include "collinea/io/code_list.h"
 #include "collinea/marking/local_poses.h"
@@ -20,14 +22,7 @@ std::string dumped(const json& value) { return value.dump(-1, ' ', false, json::
 
 json pixel_json(const Eigen::Vector2d& v) { return {number(v.x()), number(v.y())}; }
 
-using ImageNumbers = std::map<std::string, ImageId>;
-ImageNumbers numbers_of(const Block& block) {
-  ImageNumbers numbers;
-  for (const auto& [id, image] : block.images) numbers[image.file] = id;
-  return numbers;
-}
-
-json vertex_json(const DrawnVertex& vertex, const ImageNumbers& images) {
+json vertex_json(const DrawnVertex& vertex, const ImagesByFile& images) {
   json covariance = nullptr, sigma = nullptr, marks = json::array();
   if (vertex.covariance_m2) {
     const Eigen::Matrix3d& c = *vertex.covariance_m2;
@@ -86,7 +81,7 @@ Result<std::unique_ptr<Plotting>> plotting_of(const ProjectView& view) {
     COLLINEA_TRY(const HeightSpan span, view.span_of_surface(dsm));
     COLLINEA_TRY(all->surface, PlottingSurface::open(dsm, span));
   }
-  all->plotter.emplace(view.marking(*all->ties), view.frame_or_null(), all->surface ? &*all->surface : nullptr);
+  all->plotter.emplace(view.plotting(*all->ties), view.frame_or_null(), all->surface ? &*all->surface : nullptr);
   return all;
 }
 
@@ -122,6 +117,45 @@ Result<SurfaceFiles> surface_of(const ProjectView& view) {
   return with_sigmas_beside(dsm);
 }
 
+/// The drawing as the adjustment has it, or as it was drawn where nothing can be plotted.
+struct DrawingInForce {
+  DrawingNow now;
+  std::optional<std::string> as_drawn = {};  // why
+};
+
+DrawingInForce drawing_of(const ProjectView& view) {
+  std::unique_ptr<Plotting> plotting;
+  auto now = view.drawing_now([&]() -> Result<VertexPlotter*> {
+    COLLINEA_TRY(plotting, plotting_of(view));
+    return &*plotting->plotter;
+  });
+  if (now) return {*std::move(now)};
+  return {{view.work.drawing, {}}, now.error().message};
+}
+
+// The same where what is asked names vertices of it; else nothing is needed of it.
+Drawing drawing_for(const json& asked, const ProjectView& view) {
+  const auto list = asked.find("vertices");
+  const bool names_some = list != asked.end() && list->is_array() && std::ranges::any_of(*list, [](const json& one) {
+                            return one.is_object() && one.contains("feature");
+                          });
+  return names_some ? drawing_of(view).now.drawing : Drawing();
+}
+
+// What computing it anew made of a feature.
+void add_change(json& feature, const DrawingNow& drawing, const std::string& id) {
+  feature["moved_m"] = feature["moved_sigmas"] = nullptr;
+  feature["not_computed"] = json::array();
+  const auto its = drawing.features.find(id);
+  if (its == drawing.features.end()) return;
+  if (its->second.computed > 0) {
+    feature["moved_m"] = number(its->second.moved_m);
+    feature["moved_sigmas"] = number(its->second.moved_sigmas);
+  }
+  for (const FeatureNow::Kept& kept : its->second.kept)
+    feature["not_computed"].push_back({{"vertex", kept.vertex}, {"error", kept.why}});
+}
+
 // What is plotted by several marks has residuals, nothing else.
 void add_residuals(json& marks, const AskedVertex& asked, const std::vector<Eigen::Vector2d>& residuals_px) {
   const auto* marked = std::get_if<MarkedVertex>(&asked);
@@ -136,10 +170,12 @@ void add_residuals(json& marks, const AskedVertex& asked, const std::vector<Eige
 Result<std::string> drawing_json(const ProjectView& view, std::optional<ImageId> image) {
   if (image && !view.block.images.contains(*image)) return fail(Errc::kNotFound, "there is no such image");
   COLLINEA_TRY(const std::vector<DrawingCode> codes, code_list_of(view.project.folder));
-  const Drawing& drawing = view.work.drawing;
-  const ImageNumbers images = numbers_of(view.block);
+  const DrawingInForce in_force = drawing_of(view);
+  const Drawing& drawing = in_force.now.drawing;
+  const ImagesByFile images = images_by_file(view.block);
   const Projection projection(view, image);
   json all = {{"layers", json::array()}, {"codes", json::array()}, {"features", json::array()}};
+  all["as_drawn"] = in_force.as_drawn ? json(*in_force.as_drawn) : json(nullptr);
   for (const DrawingLayer& layer : layers_of(drawing, codes))
     all["layers"].push_back({{"name", layer.name},
                              {"kind", layer.kind ? json(word_of(*layer.kind)) : json(nullptr)},
@@ -162,17 +198,19 @@ Result<std::string> drawing_json(const ProjectView& view, std::optional<ImageId>
                                {"kind", word_of(feature.kind)},
                                {"attributes", json(feature.attributes)},
                                {"vertices", std::move(vertices)}});
+    add_change(all["features"].back(), in_force.now, feature.id);
   }
   return dumped(all);
 }
 
 Result<std::string> vertices_json(const ProjectView& view, std::string_view body) {
   COLLINEA_TRY(const json asked, asked_object(body));
-  COLLINEA_TRY(const auto vertices, asked_vertices(asked, view.work.drawing, view.block));
+  const Drawing drawing = drawing_for(asked, view);
+  COLLINEA_TRY(const auto vertices, asked_vertices(asked, drawing, view.block));
   COLLINEA_TRY(const std::optional<ImageId> image, asked_image(asked, view.block));
   COLLINEA_TRY(const auto plotting, plotting_of(view));
   VertexPlotter& plotter = *plotting->plotter;
-  const ImageNumbers images = numbers_of(view.block);
+  const ImagesByFile images = images_by_file(view.block);
   const Projection projection(view, image);
   json list = json::array();
   for (const AskedVertex& vertex : vertices) {
@@ -195,7 +233,8 @@ Result<std::string> figures_json(const ProjectView& view, std::string_view body)
   const json kinds = is_list ? asked.at("figures") : json::array({asked.value("kind", json())});
   if (!kinds.is_array() || kinds.size() > kMostFigures)
     return fail(Errc::kBadInput, "figures: a list of at most " + std::to_string(kMostFigures));
-  COLLINEA_TRY(const auto vertices, asked_vertices(asked, view.work.drawing, view.block));
+  const Drawing drawing = drawing_for(asked, view);
+  COLLINEA_TRY(const auto vertices, asked_vertices(asked, drawing, view.block));
   COLLINEA_TRY(const auto plotting, plotting_of(view));
   std::vector<PlottedVertex> plotted;
   for (const AskedVertex& vertex : vertices) {

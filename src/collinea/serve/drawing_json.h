@@ -9,8 +9,11 @@
 namespace collinea {
 
 /// {"layers": [{"name", "kind", "colour"}], "codes": [..], "features": [{"id", "layer", "kind", "attributes",
-/// "vertices": [{"position", "covariance_m2", "sigma_m", "source", "marks"}]}]}: all that is drawn. With an image each
-/// vertex has the "pixel" at which that shows it, or null. Errors: the code list; an image that there is not.
+/// "vertices": [{"position", "covariance_m2", "sigma_m", "source", "marks"}], "moved_m", "moved_sigmas",
+/// "not_computed": [{"vertex", "error"}]}], "as_drawn"}: all that is drawn. Vertices that have marks are computed anew
+/// by them in the adjustment in force (DrawingNow): how far they moved, null without any; those that cannot be computed
+/// are as drawn. "as_drawn": null, or why all are. With an image each vertex has the "pixel" at which that shows it, or
+/// null. Errors: the code list; an image that there is not.
 [[nodiscard]] Result<std::string> drawing_json(const ProjectView& view, std::optional<ImageId> image);
 
 /// {"vertices": [{"position", ..} | {"error"}]} of {"vertices": [..]} (asked_vertices()), as `collinea plot` plots

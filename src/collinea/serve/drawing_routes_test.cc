@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "collinea/base/file.h"
+#include "collinea/block/transform.h"
 #include "collinea/edit/make_edits.h"
 #include "collinea/jobs/measure.h"
 #include "collinea/jobs/plot_features.h"
@@ -125,6 +126,53 @@ TEST_F(DrawingRoutes, WhatIsDrawnIsListedAndShownInPhotographsUntilItIsUndone) {
   edit({"undo"});
   EXPECT_TRUE(drawing()["features"].empty());
   EXPECT_FALSE(drawing()["layers"].empty());  // of the code list
+}
+
+// The page shows where vertices with marks are by the adjustment in force, and says how far that is from where they
+// were drawn; without an adjustment or a surface that can be read it shows what was drawn, and why.
+TEST_F(DrawingRoutes, WhatIsDrawnFollowsTheAdjustment) {
+  const json plotted = answer("vertices", {{"vertices", corners()}})["vertices"];
+  edit(draw_command(plotted));
+  const json unmoved = drawing();
+  EXPECT_TRUE(unmoved["as_drawn"].is_null());
+  EXPECT_EQ(unmoved["features"][0]["moved_m"], 0.0);
+  EXPECT_TRUE(unmoved["features"][0]["not_computed"].empty());
+  const Eigen::Vector3d shift(0.5, -0.25, 0.75);
+  Block moved = block_;
+  transform(moved, Similarity3{1, Eigen::Quaterniond::Identity(), shift});
+  remove_pose(moved, ImageId{3});
+  {
+    auto store = ProjectStore::open(project());
+    BlockCovariances covariances = *store->read_covariances();
+    covariances.poses.erase(ImageId{3});
+    ASSERT_TRUE(store && store->write_adjustment(moved, covariances));
+  }
+  const json feature = drawing()["features"][0];
+  EXPECT_NEAR(feature["moved_m"].get<double>(), shift.norm(), 2e-3);
+  EXPECT_GT(feature["moved_sigmas"].get<double>(), 3);
+  EXPECT_NEAR(feature["vertices"][0]["position"][2].get<double>() - roof()[0].z(), shift.z(), 2e-3);
+  EXPECT_EQ(feature["vertices"][3]["position"], plotted[3]["position"]);  // on the surface
+  // A vertex of it is measured where it is now.
+  const json vertex = answer("vertices", {{"vertices", {{{"feature", "F1"}, {"vertex", 0}}}}})["vertices"][0];
+  EXPECT_NEAR(vertex["position"][2].get<double>(), feature["vertices"][0]["position"][2].get<double>(), 1e-9);
+  // A photograph that it is marked in is no longer oriented.
+  remove_pose(moved, ImageId{2});
+  {
+    auto store = ProjectStore::open(project());
+    BlockCovariances covariances = *store->read_covariances();
+    covariances.poses.erase(ImageId{2});
+    ASSERT_TRUE(store && store->write_adjustment(moved, covariances));
+  }
+  const json kept = drawing()["features"][0];
+  ASSERT_EQ(kept["not_computed"].size(), 2u);
+  EXPECT_EQ(kept["not_computed"][1]["vertex"], 1);
+  EXPECT_EQ(kept["not_computed"][1]["error"], "image IMG_2.jpg is not oriented");
+  EXPECT_EQ(kept["vertices"][1]["position"], plotted[1]["position"]);
+  ASSERT_TRUE(write_file(project() / "products" / "dsm.tif", "broken"));
+  const json as_drawn = drawing();
+  EXPECT_TRUE(as_drawn["as_drawn"].is_string()) << as_drawn;
+  EXPECT_EQ(as_drawn["features"][0]["vertices"][0]["position"], plotted[0]["position"]);
+  EXPECT_TRUE(as_drawn["features"][0]["moved_m"].is_null());
 }
 
 TEST_F(DrawingRoutes, VolumesAndProfilesAreThoseOfTheCommands) {

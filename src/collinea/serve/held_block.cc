@@ -4,6 +4,7 @@
 #include "collinea/marking/marking_block.h"
 #include "collinea/math/median.h"
 #include "collinea/project/adjustment_task.h"
+#include "collinea/project/block_precision.h"
 
 namespace collinea {
 namespace {
@@ -24,20 +25,34 @@ std::vector<BlockPoint> points_of(const std::map<ControlId, ControlPoint>& contr
   return points;
 }
 
+// Measurements between points by their numbers; what is of points that were removed is left out.
+std::vector<PointLink> links_of(const std::map<ControlId, ControlPoint>& control,
+                                const std::vector<GeodeticObservation>& ground) {
+  std::vector<PointLink> links;
+  for (const GeodeticObservation& one : ground) {
+    const auto from = control.find(one.from), to = control.find(one.to);
+    if (from == control.end() || to == control.end()) continue;
+    links.push_back(
+        {std::size_t(std::distance(control.begin(), from)), std::size_t(std::distance(control.begin(), to)), one});
+  }
+  return links;
+}
+
 }  // namespace
 
 Result<HeldBlock::Marked> HeldBlock::read_marked(const std::filesystem::path& folder) {
   COLLINEA_TRY(const Project project, open_project(folder, {}));
   const AdjustmentOptions& asked = project.settings.adjust;
-  COLLINEA_TRY(ProjectAdjustment adjustment, adjustment_of(project, asked));
+  COLLINEA_TRY(ProjectAdjustment adjustment, adjustment_with_marks(project));
   AdjustmentTask& task = adjustment.task;
   if (task.block.images.size() > kMostImages)
     return fail(Errc::kUnsupported, "the block is too large to be adjusted after each mark: run adjust");
   SigmaFactors factors = as_given();
   if (task.scope.use_control && !asked.given_sigmas) factors = factors_of(adjustment.orientation.sigma_factors);
+  std::vector<GeodeticObservation> ground = task.scope.use_geodetic ? task.block.geodetic : decltype(ground)();
   COLLINEA_TRY(MarkedBlock block,
                MarkedBlock::of(std::move(task.block), task.scope, task.options.adjust, BlockControl::kLeftOut, {}));
-  return Marked{std::move(block), factors};
+  return Marked{std::move(block), factors, std::move(ground)};
 }
 
 Result<std::shared_ptr<const TiedBlock>> HeldBlock::ties() {
@@ -71,7 +86,7 @@ Result<AdjustedMarks> HeldBlock::adjusted_with(const std::map<ControlId, Control
                                                const std::vector<ControlObservation>& marks) {
   const std::lock_guard lock(marked_mutex_);
   COLLINEA_TRY(Marked* const held, marked());
-  return held->block.adjust(points_of(control, marks, held->factors));
+  return held->block.adjust(points_of(control, marks, held->factors), {}, links_of(control, held->ground));
 }
 
 Result<std::optional<NextMark>> HeldBlock::next_mark(const std::map<ControlId, ControlPoint>& control,
@@ -79,19 +94,52 @@ Result<std::optional<NextMark>> HeldBlock::next_mark(const std::map<ControlId, C
                                                      std::span<const PossibleMark> possible) {
   const std::lock_guard lock(marked_mutex_);
   COLLINEA_TRY(Marked* const held, marked());
-  return best_next_mark(held->block, points_of(control, marks, held->factors), possible);
+  return best_next_mark(held->block, points_of(control, marks, held->factors), possible,
+                        links_of(control, held->ground));
+}
+
+BlockPrecision* HeldBlock::precision() {
+  if (!precision_) {
+    const auto tied = ties();
+    precision_ = tied ? precision_of(project_, (*tied)->block, (*tied)->covariances) : tl::unexpected(tied.error());
+  }
+  return *precision_ ? &**precision_ : nullptr;
+}
+
+std::optional<JointPoses> HeldBlock::poses_together(std::span<const ImageId> images) {
+  const std::lock_guard lock(precision_mutex_);
+  BlockPrecision* const known = precision();
+  return known ? known->joint_poses(images) : std::nullopt;
+}
+
+bool HeldBlock::has_poses_together() {
+  const std::lock_guard lock(precision_mutex_);
+  return precision() != nullptr;
+}
+
+std::optional<HeldBlock::FileState> HeldBlock::state_of(const std::filesystem::path& file) {
+  std::error_code error;
+  FileState state{std::filesystem::file_size(file, error)};
+  if (!error) state.changed = std::filesystem::last_write_time(file, error);
+  return error ? std::nullopt : std::optional(state);
 }
 
 Result<HeightSpan> HeldBlock::span_of(const std::filesystem::path& surface) {
   const std::lock_guard lock(span_mutex_);
-  std::error_code error;
-  KnownSpan now{std::filesystem::file_size(surface, error), {}, {}};
-  now.changed = std::filesystem::last_write_time(surface, error);
-  if (span_ && !error && span_->bytes == now.bytes && span_->changed == now.changed) return span_->span;
+  const auto now = state_of(surface);
+  if (span_ && now && span_->state == *now) return span_->span;
   COLLINEA_TRY(const HeightField heights, open_height_field(surface));
-  COLLINEA_TRY(now.span, height_span(heights, {}));
-  span_ = now;
-  return now.span;
+  COLLINEA_TRY(const HeightSpan span, height_span(heights, {}));
+  if (now) span_ = KnownSpan{*now, span};
+  return span;
+}
+
+Result<DrawingNow> HeldBlock::drawing_now(const Drawing& drawn, const ImagesByFile& images,
+                                          const std::filesystem::path& surface,
+                                          const DrawingComputer::MakePlotter& plotter) {
+  const std::lock_guard lock(drawing_mutex_);
+  if (auto state = state_of(surface); state != drawing_.surface) drawing_ = {state, {}};
+  return drawing_.computer.drawing_now(drawn, plotter, images);
 }
 
 }  // namespace collinea

@@ -10,6 +10,7 @@
 #include "collinea/jobs/predict_marks.h"
 #include "collinea/marking/predicted_marks.h"
 #include "collinea/report/json_values.h"
+#include "collinea/restitution/map_height.h"
 #include "collinea/serve/control_json.h"
 #include "collinea/serve/internal/bounded_json.h"
 
@@ -95,6 +96,14 @@ json in_block_json(const ProjectView& view, ControlId id, const std::vector<Cont
           {"marks", list}};
 }
 
+// With the surface where there is one: what hides points is read by need.
+MarkingBlock marking_with_surface(const ProjectView& view, const TiedBlock& ties) {
+  MarkingBlock marking = view.marking(ties);
+  marking.surface =
+      surface_in_world(view.frame_or_null(), heights_by_need(view.project.folder / "products" / "dsm.tif"));
+  return marking;
+}
+
 Result<ControlId> point_named(const ProjectView& view, const std::string& name) {
   for (const auto& [id, point] : view.control)
     if (point.name == name) return id;
@@ -135,7 +144,7 @@ Result<std::string> predicted_marks_json(const ProjectView& view, const std::str
   std::vector<ControlObservation> marks;
   for (const ControlObservation& mark : view.marks)
     if (mark.point == id && view.block.images.contains(mark.image)) marks.push_back(mark);
-  const PredictedMarks found = predicted_marks(view.marking(*ties), given, marks);
+  const PredictedMarks found = predicted_marks(marking_with_surface(view, *ties), given, marks);
   json list = json::array(), contradicting = json::array();
   for (const ImageId image : found.contradicting) contradicting.push_back(image.value);
   for (const PredictedMark& one : found.predicted)
@@ -144,6 +153,7 @@ Result<std::string> predicted_marks_json(const ProjectView& view, const std::str
                     {"pixel", pair(one.pixel)},
                     {"ellipse", ellipse_json(one.covariance)},
                     {"marked", one.marked},
+                    {"hidden", one.hidden},
                     {"sigma_after_m", one.sigma_after_m ? number(*one.sigma_after_m) : json(nullptr)}});
   return text_of({{"places", list},
                   {"given_disagrees", found.given_disagrees},
@@ -154,17 +164,19 @@ Result<std::string> predicted_marks_json(const ProjectView& view, const std::str
 
 namespace {
 
-// Of each point the best place that is not marked yet.
+// Of each point the best place that is not marked yet, and that nothing hides.
 std::vector<PossibleMark> possible_marks(const ProjectView& view, const TiedBlock& ties) {
   constexpr double kSigmaPx = 0.5;  // of a mark by hand
   std::map<ControlId, std::vector<ControlObservation>> marks;
   for (const ControlObservation& mark : view.marks)
     if (view.block.images.contains(mark.image)) marks[mark.point].push_back(mark);
   std::vector<PossibleMark> possible;
+  const MarkingBlock marking = marking_with_surface(view, ties);
   std::size_t number = 0;
   for (const auto& [id, point] : view.control) {
-    const PredictedMarks found = predicted_marks(view.marking(ties), point, marks[id]);
-    const auto best = std::ranges::find(found.predicted, false, &PredictedMark::marked);
+    const PredictedMarks found = predicted_marks(marking, point, marks[id]);
+    const auto best =
+        std::ranges::find_if(found.predicted, [](const PredictedMark& one) { return !one.marked && !one.hidden; });
     if (best != found.predicted.end()) possible.push_back({number, {best->image, best->pixel, kSigmaPx}});
     ++number;
   }

@@ -120,6 +120,13 @@ MarkingBlock ProjectView::marking(const TiedBlock& ties) const {
   return {ties.block, ties.observations, ties.covariances.poses, sigma_scale(adjustment)};
 }
 
+MarkingBlock ProjectView::plotting(const TiedBlock& ties) const {
+  MarkingBlock all = marking(ties);
+  if (held_->has_poses_together())
+    all.poses_together = [held = held_](std::span<const ImageId> images) { return held->poses_together(images); };
+  return all;
+}
+
 std::optional<MarkTests> ProjectView::tests_of(const ControlObservation& mark) const {
   const auto found = tests_.find({mark.point, mark.image});
   if (found == tests_.end()) return std::nullopt;

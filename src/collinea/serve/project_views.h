@@ -47,8 +47,10 @@ class ProjectView {
 
   /// Errors: those of ProjectStore::read_block().
   [[nodiscard]] Result<std::shared_ptr<const TiedBlock>> ties() const { return held_->ties(); }
-  /// What points are marked and plotted in; refers to the block with its ties.
+  /// What points are marked in; refers to the block with its ties.
   [[nodiscard]] MarkingBlock marking(const TiedBlock& ties) const;
+  /// What vertices are plotted in: the same, with what the adjustment knows of images together.
+  [[nodiscard]] MarkingBlock plotting(const TiedBlock& ties) const;
   [[nodiscard]] const LocalFrame* frame_or_null() const { return frame ? &*frame : nullptr; }
   /// All control points with their marks, as they are now, adjusted with the whole block; parallel to `control`.
   /// Errors: those of HeldBlock.
@@ -62,6 +64,11 @@ class ProjectView {
   /// Between which heights a surface of the project lies. Errors: those of HeldBlock.
   [[nodiscard]] Result<HeightSpan> span_of_surface(const std::filesystem::path& surface) const {
     return held_->span_of(surface);
+  }
+
+  /// The drawing as the adjustment has it. Errors: those of `plotter`.
+  [[nodiscard]] Result<DrawingNow> drawing_now(const DrawingComputer::MakePlotter& plotter) const {
+    return held_->drawing_now(work.drawing, images_by_file(block), project.folder / "products" / "dsm.tif", plotter);
   }
 
   /// The tests that the adjustment left of a mark; nothing when it took no part, or has been moved since.

@@ -10,7 +10,6 @@
 #include "collinea/restitution/ground_match.h"
 #include "collinea/restitution/plotted_vertex.h"
 #include "collinea/serve/internal/bounded_json.h"
-#include "collinea/surface/height_field.h"
 
 namespace collinea {
 namespace {
@@ -25,10 +24,7 @@ std::string text_of(const json& value) { return value.dump(-1, ' ', false, json:
 json of_mark(const StereoMark& mark) { return {number(mark.x), number(mark.y), number(mark.parallax)}; }
 json pair(const Vector2d& v) { return {number(v.x()), number(v.y())}; }
 
-MapHeight surface_of(const ProjectView& view) {
-  const auto field = open_height_field(view.project.folder / "products" / "dsm.tif");
-  return field ? heights_about(*field) : MapHeight();
-}
+MapHeight surface_of(const ProjectView& view) { return heights_by_need(view.project.folder / "products" / "dsm.tif"); }
 
 void add_covariance(json& out, const std::optional<Matrix3d>& covariance) {
   if (!covariance || !covariance->allFinite()) {
@@ -140,7 +136,7 @@ Result<AskedGround> asked_ground(std::string_view body) {
 
 Result<std::string> stereo_json(const ProjectView& view, const AskedStereo& asked) {
   COLLINEA_TRY(const auto ties, view.ties());
-  const MarkingBlock marking = view.marking(*ties);
+  const MarkingBlock marking = view.plotting(*ties);
   COLLINEA_TRY(const StereoView scene, stereo_view(marking, view.frame_or_null(), surface_of(view), asked));
   const Block& block = ties->block;
   const EpipolarPair& geometry = scene.model.pair;
@@ -161,7 +157,7 @@ Result<std::string> stereo_json(const ProjectView& view, const AskedStereo& aske
 Result<std::string> ground_json(const ProjectView& view, std::string_view body) {
   COLLINEA_TRY(const AskedGround asked, asked_ground(body));
   COLLINEA_TRY(const auto ties, view.ties());
-  const MarkingBlock marking = view.marking(*ties);
+  const MarkingBlock marking = view.plotting(*ties);
   COLLINEA_TRY(const StereoGeometry model, StereoGeometry::of(ties->block, asked.left, asked.right));
   if (model.left != asked.left) return fail(Errc::kBadInput, "images: the left one comes first, as in stereo");
   const PhotoWindow photo = [&](ImageId image, const PixelWindow& window) {

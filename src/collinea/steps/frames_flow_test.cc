@@ -197,7 +197,7 @@ TEST_F(FacadeFlow, TheWallIsMappedAsTheGroundIs) {
   EXPECT_GT(double(within) / double(around.size()), 0.7);  // of 0.95: matching takes poses as exact
   EXPECT_LT(double(within) / double(around.size()), 0.995);
 
-  // What displaces the wall as a whole is stated by the other sigmas, which hold what images and cameras add.
+  // What displaces the wall as a whole stands in the other sigmas, which hold what images and cameras add.
   double mean_m = 0;
   for (const double one : errors.of_distance) mean_m += one / double(errors.of_distance.size());
   const Errors whole =

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "collinea/base/result.h"
 
 namespace collinea {
 
@@ -35,13 +38,32 @@ std::string text_of(const LayerColour& colour) {
   return text;
 }
 
-const DrawnFeature* Drawing::find(const std::string& id) const {
-  const auto found = std::ranges::find(features, id, &DrawnFeature::id);
-  return found == features.end() ? nullptr : &*found;
+DrawnFeatures::DrawnFeatures(std::initializer_list<DrawnFeature> features) {
+  for (const DrawnFeature& feature : features) add(feature);
 }
-DrawnFeature* Drawing::find(const std::string& id) {
-  const auto found = std::ranges::find(features, id, &DrawnFeature::id);
-  return found == features.end() ? nullptr : &*found;
+
+const DrawnFeature* DrawnFeatures::find(const std::string& id) const {
+  const auto found = order_of_.find(id);
+  return found == order_of_.end() ? nullptr : &by_order_.at(found->second);
+}
+DrawnFeature* DrawnFeatures::find(const std::string& id) {
+  const auto found = order_of_.find(id);
+  return found == order_of_.end() ? nullptr : &by_order_.at(found->second);
+}
+
+void DrawnFeatures::add(DrawnFeature feature) {
+  const std::uint64_t order = by_order_.empty() ? 0 : by_order_.rbegin()->first + 1;
+  const bool is_new = order_of_.emplace(feature.id, order).second;
+  COLLINEA_CHECK(is_new);
+  by_order_.emplace_hint(by_order_.end(), order, std::move(feature));
+}
+
+bool DrawnFeatures::erase(const std::string& id) {
+  const auto found = order_of_.find(id);
+  if (found == order_of_.end()) return false;
+  by_order_.erase(found->second);
+  order_of_.erase(found);
+  return true;
 }
 
 std::vector<DrawingLayer> layers_of(const Drawing& drawing, std::span<const DrawingCode> codes) {

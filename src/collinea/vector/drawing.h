@@ -4,12 +4,15 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <initializer_list>
 #include <map>
 #include <optional>
+#include <ranges>
 #include <set>
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "collinea/base/words.h"
@@ -36,6 +39,8 @@ struct VertexMark {
   std::string image;  ///< its file
   Eigen::Vector2d pixel;
   double sigma_px = 0.5;
+
+  friend bool operator==(const VertexMark&, const VertexMark&) = default;
 };
 
 struct DrawnVertex {
@@ -46,6 +51,7 @@ struct DrawnVertex {
 
   /// Nothing: not known.
   [[nodiscard]] std::optional<Eigen::Vector3d> sigma_m() const;
+  friend bool operator==(const DrawnVertex&, const DrawnVertex&) = default;
 };
 
 struct DrawnFeature {
@@ -75,14 +81,34 @@ struct DrawingCode {
   std::string meaning;
 };
 
+/// Features in the order in which they were first drawn, each found by its id at once however many there are.
+class DrawnFeatures {
+ public:
+  DrawnFeatures() = default;
+  DrawnFeatures(std::initializer_list<DrawnFeature> features);
+
+  [[nodiscard]] auto begin() const { return std::views::values(by_order_).begin(); }
+  [[nodiscard]] auto end() const { return std::views::values(by_order_).end(); }
+  [[nodiscard]] std::size_t size() const { return by_order_.size(); }
+  [[nodiscard]] bool empty() const { return by_order_.empty(); }
+  [[nodiscard]] const DrawnFeature* find(const std::string& id) const;
+  /// Its id must stay as it is.
+  [[nodiscard]] DrawnFeature* find(const std::string& id);
+  /// Behind all others; there must be none of its id.
+  void add(DrawnFeature feature);
+  /// False: there is none.
+  bool erase(const std::string& id);
+
+ private:
+  std::map<std::uint64_t, DrawnFeature> by_order_;
+  std::unordered_map<std::string, std::uint64_t> order_of_;
+};
+
 /// Everything that is drawn in a project.
 struct Drawing {
-  std::vector<DrawingLayer> layers = {};    ///< by the order in which they were named
-  std::vector<DrawnFeature> features = {};  ///< in the order in which they were first drawn
-  std::set<std::string> erased = {};        ///< ids of features that are no more
-
-  [[nodiscard]] const DrawnFeature* find(const std::string& id) const;
-  [[nodiscard]] DrawnFeature* find(const std::string& id);
+  std::vector<DrawingLayer> layers = {};  ///< by the order in which they were named
+  DrawnFeatures features = {};
+  std::set<std::string> erased = {};  ///< ids of features that are no more
 };
 
 /// The layers of a drawing, of a code list, and of features on layers that neither names.

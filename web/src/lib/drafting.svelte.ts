@@ -159,13 +159,11 @@ class Drafting {
       return null;
     }
     this.#over(turn); // what is sent cannot be taken back
-    const [project, code] = [this.project, this.code];
-    const command = drawCommand("*", this.layer, this.kind, vertices);
+    const project = this.project;
+    const command = drawCommand("*", this.layer, this.kind, vertices, this.code ? { code: this.code } : {});
     if (!(await this.edit(command))) return null;
     this.vertices = [];
-    const id = (await api.drawing(project).catch(() => undefined))?.features.at(-1)?.id ?? null;
-    if (id && code && this.project === project) await this.edit(["attribute", id, "code", code]);
-    return id;
+    return (await api.drawing(project).catch(() => undefined))?.features.at(-1)?.id ?? null;
   }
 
   async #answered(asked: AskedVertex, turn?: Turn): Promise<DraftVertex | undefined> {

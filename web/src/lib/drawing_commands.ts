@@ -12,7 +12,9 @@ export function vertexWords(vertex: Vertex): string[] {
   return words;
 }
 
-/** `id` "*": a new feature, which the program gives its id. */
-export const drawCommand = (id: string, layer: string, kind: FeatureKind, vertices: Vertex[]): string[] => [
-  "draw", id, layer, kind, ...vertices.flatMap(vertexWords),
+/** `id` "*": a new feature, which the program gives its id. Attributes that are not named stay. */
+export const drawCommand = (id: string, layer: string, kind: FeatureKind, vertices: Vertex[], attributes: Record<string, string> = {}): string[] => [
+  "draw", id, layer, kind,
+  ...Object.entries(attributes).flatMap(([name, value]) => ["with", name, value]),
+  ...vertices.flatMap(vertexWords),
 ];

@@ -44,6 +44,11 @@ export interface Feature {
   kind: FeatureKind;
   attributes: Record<string, string>;
   vertices: Vertex[];
+  /** How far computing it anew in the adjustment in force moved a vertex, also in its standard deviations; null: none has marks. */
+  moved_m?: number | null;
+  moved_sigmas?: number | null;
+  /** Vertices, from 0, that are as they were drawn, and why. */
+  not_computed?: { vertex: number; error: string }[];
 }
 
 export interface DrawingLayer {

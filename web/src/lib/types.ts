@@ -252,6 +252,8 @@ export interface Place {
   pixel: Vector2;
   ellipse: Ellipse | null;
   marked: boolean;
+  /** By the surface of the project. */
+  hidden: boolean;
   sigma_after_m: number | null;
 }
 

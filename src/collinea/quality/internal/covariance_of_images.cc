@@ -6,6 +6,7 @@
 namespace collinea::bundle {
 
 Eigen::MatrixXd CovarianceOfImages::of(std::span<const int> rows) {
+  if ((columns_.size() + rows.size()) * static_cast<std::size_t>(size_) > kMostKept) columns_.clear();
   std::vector<double> x(static_cast<std::size_t>(factor_.tile_rows()) * kTile);
   for (const int row : rows) {
     auto [column, is_new] = columns_.try_emplace(row);

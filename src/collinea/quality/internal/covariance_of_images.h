@@ -18,10 +18,13 @@ class CovarianceOfImages {
   /// `size`: how many unknowns there are.
   CovarianceOfImages(int size, TileCholesky factor) : size_(size), factor_(std::move(factor)) {}
 
-  /// Of these rows, in their order. One solution for each that was not asked for before.
+  /// Of these rows, in their order. One solution for each that was not asked for before, as far as these fit into
+  /// kMostKept.
   [[nodiscard]] Eigen::MatrixXd of(std::span<const int> rows);
 
  private:
+  static constexpr std::size_t kMostKept = std::size_t{1} << 25;  // numbers: 256 MiB
+
   int size_;
   TileCholesky factor_;
   std::map<int, Eigen::VectorXd> columns_;

@@ -168,15 +168,18 @@ struct Equations {
 // The adjustment of the points that take part, and of the images with them.
 class MarkAdjustment {
  public:
-  MarkAdjustment(std::span<const MarkPoint> points, const MatrixXd& cofactor, MovedImages& images)
-      : cofactor_(cofactor), images_(images) {
+  MarkAdjustment(std::span<const MarkPoint> points, const MatrixXd& cofactor, MovedImages& images,
+                 const MarkGround& ground, const Earth& earth)
+      : cofactor_(cofactor), images_(images), ground_(ground), earth_(earth) {
     for (std::size_t p = 0; p < points.size(); ++p) {
       if (!points[p].takes_part) continue;
       points_.push_back(&points[p]);
       rays_ += static_cast<Index>(points[p].rays.size());
     }
-    unknowns_.setZero(static_cast<Index>(3 * points_.size()) + images.motions());
+    unknowns_.setZero(first_auxiliary() + static_cast<Index>(ground.auxiliaries.size()));
     for (std::size_t p = 0; p < points_.size(); ++p) unknowns_.segment<3>(Index(3 * p)) = points_[p]->start;
+    for (std::size_t k = 0; k < ground.auxiliaries.size(); ++k)
+      unknowns_[first_auxiliary() + static_cast<Index>(k)] = ground.auxiliaries[k];
   }
 
   // False when something is not determined.
@@ -190,7 +193,7 @@ class MarkAdjustment {
       converged_ = step.dot(normals_ * step) < kSettled && moved_by(moved - images_.images) < kSettled;
       unknowns_ += step;
       images_.images = moved;
-      images_.whole.head(images_.motions()) = unknowns_.tail(images_.motions());
+      images_.whole.head(images_.motions()) = unknowns_.segment(first_motion(), images_.motions());
     }
     return reduce();
   }
@@ -218,13 +221,17 @@ class MarkAdjustment {
     const MatrixXd with_unknowns = -by_unknowns * inverse_;
     out.topLeftCorner(images, images) -=
         cofactor_ * by_images_.transpose() * gain + with_unknowns * by_unknowns.transpose();
-    out.topRightCorner(images, motions) = with_unknowns.rightCols(motions);
+    out.topRightCorner(images, motions) = with_unknowns.middleCols(first_motion(), motions);
     out.bottomLeftCorner(motions, images) = out.topRightCorner(images, motions).transpose();
-    out.bottomRightCorner(motions, motions) = inverse_.bottomRightCorner(motions, motions);
+    out.bottomRightCorner(motions, motions) = inverse_.block(first_motion(), first_motion(), motions, motions);
     return out;
   }
 
  private:
+  // Unknowns are the points, the motion of the block, and those that belong to measurements on the ground.
+  [[nodiscard]] Index first_motion() const { return static_cast<Index>(3 * points_.size()); }
+  [[nodiscard]] Index first_auxiliary() const { return first_motion() + images_.motions(); }
+
   // Of a step of the images, the largest in their standard deviations, squared; what is known exactly counts nothing.
   [[nodiscard]] double moved_by(const VectorXd& step) const {
     double largest = 0;
@@ -243,8 +250,8 @@ class MarkAdjustment {
     // As if the images were where they are expected: that is an observation, not a new beginning.
     misclosure_ = now.misclosure + now.by_images * (images_.images - images_.expected);
     by_images_ = std::move(now.by_images);
-    by_unknowns_.resize(2 * rays_, 3 * count + images_.motions());
-    by_unknowns_ << now.by_points, now.by_whole;
+    by_unknowns_.setZero(2 * rays_, unknowns_.size());
+    by_unknowns_.leftCols(first_auxiliary()) << now.by_points, now.by_whole;
   }
 
   // The normal equations of points and motion, there; false when they are singular.
@@ -261,6 +268,7 @@ class MarkAdjustment {
       normals_.block<3, 3>(first, first) += points_[p]->weight;
       right_.segment<3>(first) += points_[p]->weight * (points_[p]->given - position(p));
     }
+    for (const MarkLink& link : ground_.links) add_link(link);
     const VectorXd scale = normals_.diagonal().cwiseSqrt();
     if (!(scale.minCoeff() > 0) || !scale.allFinite()) return false;
     const VectorXd inverse_scale = scale.cwiseInverse();
@@ -274,11 +282,31 @@ class MarkAdjustment {
     return true;
   }
 
+  // What was measured on the ground depends on neither images nor marks.
+  void add_link(const MarkLink& link) {
+    const Vector3d from = position(link.from), to = position(link.to);
+    const Index first = first_auxiliary() + std::max(link.auxiliary, 0);
+    const double* own = link.auxiliary < 0 ? nullptr : &unknowns_[first];
+    const GeodeticModel model =
+        link.shape >= 0
+            ? shape_model(link.observation, ground_.shapes[static_cast<std::size_t>(link.shape)], own, from, earth_)
+            : geodetic_model(link.observation, from, to, own ? *own : 0, earth_);
+    VectorXd row = VectorXd::Zero(unknowns_.size());
+    row.segment<3>(Index(3 * link.from)) += model.by_from;
+    if (link.to != link.from) row.segment<3>(Index(3 * link.to)) += model.by_to;
+    for (int k = 0; k < model.auxiliaries; ++k) row[first + k] += model.by_auxiliary[static_cast<std::size_t>(k)];
+    const double weight = 1 / (link.observation.sigma * link.observation.sigma);
+    normals_ += weight * row * row.transpose();
+    right_ += weight * geodetic_residual(link.observation, model) * row;
+  }
+
   const MatrixXd& cofactor_;  // of the images and cameras
   MovedImages& images_;
+  const MarkGround& ground_;
+  const Earth& earth_;
   std::vector<const MarkPoint*> points_;
   Index rays_ = 0;
-  MatrixXd by_images_, by_unknowns_;  // derivatives in sigmas; unknowns are the points and the motion of the block
+  MatrixXd by_images_, by_unknowns_;  // derivatives in sigmas
   VectorXd misclosure_, unknowns_, right_;
   MatrixXd normals_, inverse_;
   Eigen::LLT<MatrixXd> weights_;  // of the covariance of the marks as the images leave it
@@ -335,14 +363,14 @@ class SeenPoint {
 
 std::optional<MarkSolution> solve_marks(const Problem& problem, const State& state, std::span<const MarkPoint> points,
                                         CovarianceOfImages& covariance, std::span<const double> step,
-                                        const std::optional<BlockMotion>& motion) {
+                                        const std::optional<BlockMotion>& motion, const MarkGround& ground) {
   const Involved involved(problem, points);
   const MatrixXd cofactor = covariance.of(involved.rows());
   MovedImages images(problem, state, involved, motion);
   for (std::size_t i = 0; i < involved.rows().size(); ++i)
     images.expected[Index(i)] = step[std::size_t(involved.rows()[i])];
   images.images = images.expected;
-  MarkAdjustment together(points, cofactor, images);
+  MarkAdjustment together(points, cofactor, images, ground, problem.earth);
   const bool has_some = std::ranges::any_of(points, &MarkPoint::takes_part);
   if (has_some ? !together.solve() : motion.has_value()) return std::nullopt;
   images.settle();

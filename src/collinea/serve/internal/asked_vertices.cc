@@ -56,7 +56,7 @@ GivenVertex given_in(const json& one) {
 RepeatedVertex repeated_in(const json& one, const Drawing& drawing, const Block& block) {
   const auto id = one.at("feature").get<std::string>();
   const auto number = one.at("vertex").get<std::int64_t>();
-  const DrawnFeature* feature = drawing.find(id);
+  const DrawnFeature* feature = drawing.features.find(id);
   if (!feature) throw std::invalid_argument("there is no feature " + id.substr(0, 100));
   if (number < 0 || std::size_t(number) >= feature->vertices.size())
     throw std::invalid_argument("feature " + id.substr(0, 100) + " has " + std::to_string(feature->vertices.size()) +

@@ -5,11 +5,12 @@
 #include <string_view>
 #include <vector>
 
+#include "collinea/edit/draw_feature.h"
 #include "collinea/restitution/drawn_vertex.h"
 
 namespace collinea {
 
-inline constexpr std::size_t kMostAskedVertices = 500, kMostAskedMarks = 100;
+inline constexpr std::size_t kMostAskedVertices = DrawFeature::kMostVertices, kMostAskedMarks = DrawFeature::kMostMarks;
 
 /// The object of a request. Errors: no JSON, no object, nested too deep.
 [[nodiscard]] Result<nlohmann::ordered_json> asked_object(std::string_view body);

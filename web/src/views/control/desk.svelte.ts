@@ -295,7 +295,7 @@ export class Desk {
   #everywhere(): Place[] {
     const marks = this.point?.marks ?? [];
     return (this.images.value?.images ?? []).map((image) => ({
-      image: image.id, file: image.file, pixel: [image.width / 2, image.height / 2], ellipse: null, marked: marks.some((mark) => mark.image === image.id), sigma_after_m: null,
+      image: image.id, file: image.file, pixel: [image.width / 2, image.height / 2], ellipse: null, marked: marks.some((mark) => mark.image === image.id), hidden: false, sigma_after_m: null,
     }));
   }
 

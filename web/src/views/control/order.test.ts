@@ -7,7 +7,7 @@ import { chipScale, isDoubted, nextPlace, nextPoint, placesInOrder, sorted, test
 const point = (name: string, role: "control" | "check", difference: number | null, ...w: (number | null)[]): ControlPoint =>
   ({ name, role, difference_m: difference === null ? null : [0.001, 0, difference], difference_sigma_m: [0.01, 0.01, 0.02], marks: w.map((one, image) => ({ image, w: one })) }) as ControlPoint;
 const points = [point("P10", "check", 0.01, 1, -4), point("P2", "control", -0.1), point("P1", "control", null, 2)];
-const place = (image: number, marked: boolean, file = `${image}.jpg`): Place => ({ image, file, marked, pixel: [0, 0], ellipse: null, sigma_after_m: null });
+const place = (image: number, marked: boolean, file = `${image}.jpg`): Place => ({ image, file, marked, pixel: [0, 0], ellipse: null, hidden: false, sigma_after_m: null });
 
 test("the worst difference is that of most standard deviations, not of most metres", () => {
   expect(worstDifference([0.03, -0.05, 0.06], [0.005, 0.02, 0.05])).toEqual({ axis: "E", metres: 0.03, sigma_m: 0.005 });
