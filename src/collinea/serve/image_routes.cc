@@ -66,6 +66,7 @@ HttpResponse image_response(const HttpRequest& request, const ServedProject& pro
     return address ? tile_response(request, **view, image, *address, views.tiles()) : not_found();
   }
   if (path.size() == 2 && path[1] == "residuals") return answer_or_error(residuals_json(**view, image));
+  if (path.size() == 2 && path[1] == "tags") return answer_or_error(tags_json(**view, image));
   return not_found();
 }
 

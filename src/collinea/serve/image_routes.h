@@ -13,6 +13,7 @@ namespace collinea {
 ///
 ///     GET ...                      the list of them
 ///     GET .../3/residuals          of tie points
+///     GET .../3/tags               coded tags
 ///     GET .../3/tiles/Z/X/Y.jpg    a tile of an image (raster/image_tiles.h)
 ///
 /// Tiles are kept in PROJECT/cache/tiles, at most TileCache::kMostBytes of them.

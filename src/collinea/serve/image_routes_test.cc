@@ -3,6 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "collinea/feature/test_tags.h"
 #include "collinea/raster/image_file.h"
 #include "collinea/serve/test_server.h"
 
@@ -60,6 +65,33 @@ TEST_F(ImageRoutesTest, ABrokenPhotographIsNamed) {
   const Answer broken = fetch(project() + "/images/3/tiles/0/0/0.jpg");
   EXPECT_EQ(broken.status, 422);
   EXPECT_NE(broken.body.find("a.jpg"), std::string::npos) << broken.body;
+}
+
+// Tags 12 and 7, and 5 twice.
+TEST_F(ImageRoutesTest, CodedTagsAreFound) {
+  FloatImage drawn(1000, 700, 1, 0.5f);
+  const std::pair<int, Eigen::Vector2d> tags[] = {
+      {12, {100.3, 80.6}}, {7, {400, 300}}, {5, {700, 200}}, {5, {200, 500}}};
+  for (const auto& [id, at] : tags)
+    draw_tag(drawn, {.family = TagFamily::kAruco4x4x50, .id = id, .at = at, .side_px = 40, .rotation_rad = 0.2});
+  GreyImage grey(1000, 700);
+  for (std::size_t i = 0; i < grey.data.size(); ++i)
+    grey.data[i] = std::uint8_t(std::lround(std::clamp(40 + 160 * drawn.data[i], 0.f, 255.f)));
+  ASSERT_TRUE(write_jpeg(folder_ / "photos" / "a.jpg", grey, 95));
+  const Answer answer = fetch(project() + "/images/3/tags");
+  ASSERT_EQ(answer.status, 200) << answer.body;
+  const auto found = nlohmann::json::parse(answer.body).at("tags");
+  ASSERT_EQ(found.size(), 2u) << answer.body;
+  for (const auto& tag : found) {
+    const bool is_first = tag.at("number") == 12;
+    EXPECT_TRUE(is_first || tag.at("number") == 7);
+    const Eigen::Vector2d at(tag.at("pixel").at(0).get<double>(), tag.at("pixel").at(1).get<double>());
+    EXPECT_LT((at - tags[is_first ? 0 : 1].second).norm(), 0.1);
+    EXPECT_LT(tag.at("sigma_px").get<double>(), 0.1);
+  }
+  EXPECT_EQ(fetch(project() + "/images/4/tags").status, 404);
+  EXPECT_EQ(fetch(project() + "/images/5/tags").status, 404);
+  EXPECT_EQ(post(project() + "/images/3/tags", "{}").status, 405);
 }
 
 // Nothing is written outside of the project.
