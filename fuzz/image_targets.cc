@@ -77,9 +77,11 @@ bool accepts_jpeg(std::string_view bytes) {
 
 bool accepts_png(std::string_view bytes) {
   const std::string file(bytes);
-  auto samples = decode_png(file);
-  if (!samples || !png_size(file, file.size())) return false;
-  return with_channels(eight_bits(*std::move(samples)), 1).channels == 1;
+  EightBitImage image(1);
+  do {
+    if (!decode_png(file, image)) return false;
+  } while (image.wants_more());
+  return png_size(file, file.size()) && std::move(image).image().channels == 1;
 }
 
 bool accepts_geotiff(std::string_view bytes) {
