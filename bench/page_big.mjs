@@ -29,7 +29,7 @@ async function opened(project) {
   context.on("response", (response) => {
     const path = new URL(response.url()).pathname;
     const name = path.split("/").at(-1);
-    fetched.set(name, (fetched.get(name) ?? 0) + Number(response.headers()["content-length"] ?? 0));
+    if (response.request().method() === "GET") fetched.set(name, (fetched.get(name) ?? 0) + Number(response.headers()["content-length"] ?? 0));
   });
   await context.addInitScript(() => {
     globalThis.tasks = [];
@@ -83,7 +83,7 @@ async function cloud() {
   const first = await until(page, since, () => /^\s*[1-9][\d,]* of/.test(document.querySelector(".scene .readout .state")?.textContent ?? ""));
   const bytes = fetched.get("cloud.copc.laz");
   console.log(`cloud: first points after ${(first / 1000).toFixed(2)} s, ${(bytes / 1e6).toFixed(1)} MB of it fetched by then`);
-  const all = await until(page, since, () => /points\s*$/.test(document.querySelector(".scene .readout .state")?.textContent ?? ""));
+  const all = await until(page, since, () => document.querySelector('.scene [role="application"]')?.getAttribute("aria-busy") === "false");
   console.log(`cloud: all points of the view after ${(all / 1000).toFixed(1)} s: ${await page.locator(".scene .readout .state").innerText()}`);
   const box = await page.getByRole("application").boundingBox();
   const middle = [box.x + box.width / 2, box.y + box.height / 2];

@@ -23,7 +23,7 @@ class FakeWorker {
 }
 
 vi.stubGlobal("Worker", FakeWorker);
-const events = { opened: vi.fn(), failed: vi.fn(), changed: vi.fn(), spread: vi.fn(), classes: vi.fn() } satisfies PointsEvents;
+const events = { opened: vi.fn(), failed: vi.fn(), changed: vi.fn(), came: vi.fn(), spread: vi.fn(), classes: vi.fn() } satisfies PointsEvents;
 const header = { centre: [0, 0, 0], half: 8 } as unknown as CloudHeader;
 const ray: PickRay = { origin: [0, 0, 9], direction: [0, 0, -1], radius_m: 1, slope: 0 };
 

@@ -17,8 +17,10 @@ export interface PointsEvents {
   opened(header: CloudHeader): void;
   /** Empty: what had failed is there now. */
   failed(why: string): void;
-  /** Something is to be drawn anew. */
+  /** The points are to be drawn anew. */
   changed(): void;
+  /** There are more of them. */
+  came(): void;
   spread(spread: Spread): void;
   /** A class was seen for the first time. */
   classes(classes: number[]): void;
@@ -30,14 +32,17 @@ export class CloudPoints {
   budget = 2e6;
   header: CloudHeader | undefined;
   origin: Triple = [0, 0, 0];
-  /** Points drawn, and nodes on their way. */
+  /** Points drawn of this view, those of the last frame, and nodes on their way. */
   drawn = 0;
+  drawnNow = 0;
   loading = 0;
   readonly #worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
   readonly #events: PointsEvents;
   #used = new LeastRecentlyUsed();
   readonly #shown = new Map<number, Points<BufferGeometry, RawShaderMaterial>>();
   readonly #asked = new Set<number>();
+  /** Nodes that are drawn of this view. */
+  readonly #painted = new Set<number>();
   readonly #failures = new Failures<number>();
   readonly #waits = new Map<number, (point: PickedPoint | PlacedPoint | null) => void>();
   readonly #classes = new Set<number>();
@@ -74,8 +79,8 @@ export class CloudPoints {
     this.#events.changed();
   }
 
-  /** Chooses what a view shows; `pixels(node)`: size of its side on the screen; drawn now are about `most` points of it. */
-  update(camera: Camera, pixels: (node: CloudNode) => number, most = Infinity): void {
+  /** Chooses what a view shows; `pixels(node)`: size of its side on the screen. */
+  update(camera: Camera, pixels: (node: CloudNode) => number): void {
     const frustum = new Frustum().setFromProjectionMatrix(new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse));
     const sphere = new Sphere();
     const seen = (node: CloudNode): number => {
@@ -88,16 +93,9 @@ export class CloudPoints {
     const cancelled = [...this.#asked].filter((index) => !wanted.has(index));
     for (const index of cancelled) this.#asked.delete(index);
     if (cancelled.length) this.#say({ cancel: cancelled });
-    this.drawn = 0;
-    for (const points of this.#shown.values()) points.visible = false;
     for (const index of this.#wanted) {
-      const node = this.#nodes[index] as CloudNode;
-      const points = this.#shown.get(index);
-      if (points) {
-        this.#used.use(index, node.points);
-        points.visible = this.drawn < most;
-        if (points.visible) this.drawn += node.points;
-      } else if (!this.#asked.has(index) && !this.#failures.isOff(index, now)) {
+      if (this.#shown.has(index)) this.#used.use(index, (this.#nodes[index] as CloudNode).points);
+      else if (!this.#asked.has(index) && !this.#failures.isOff(index, now)) {
         this.#asked.add(index);
         this.#say({ load: index });
       }
@@ -106,6 +104,27 @@ export class CloudPoints {
     const evicted = this.#used.evicted(kept * this.budget, wanted);
     for (const index of evicted) this.#forget(index);
     if (evicted.length) this.#say({ drop: evicted });
+  }
+
+  /** Makes visible what is not drawn yet of the view, or of a new one, the most wanted first: about `most` points. Whether some are left. */
+  paint(most: number, isAnew: boolean): boolean {
+    if (isAnew) {
+      this.#painted.clear();
+      this.drawn = 0;
+    }
+    this.drawnNow = 0;
+    for (const points of this.#shown.values()) points.visible = false;
+    for (const index of this.#wanted) {
+      const points = this.#shown.get(index);
+      if (!points || this.#painted.has(index)) continue;
+      if (this.drawnNow >= most) return true;
+      points.visible = true;
+      this.#painted.add(index);
+      const count = (this.#nodes[index] as CloudNode).points;
+      this.drawnNow += count;
+      this.drawn += count;
+    }
+    return false;
   }
 
   /** The point under a ray, of those that are drawn. */
@@ -219,7 +238,7 @@ export class CloudPoints {
     this.#used.use(loaded.node, node.points);
     this.#note(loaded.colours, loaded.traits);
     if (loaded.spread) this.#events.spread(loaded.spread);
-    this.#events.changed();
+    this.#events.came();
   }
 
   /** Classes of the points that are left. */

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How points are coloured, and the shading by depth (eye-dome lighting, Boucheny 2009): a pixel is darker the more of its neighbours are nearer.
-import { GLSL3, NearestFilter, RawShaderMaterial, DataTexture, LinearFilter, type Texture, Vector2 } from "three";
+import { AlwaysDepth, GLSL3, NearestFilter, RawShaderMaterial, DataTexture, LinearFilter, type Texture, Vector2 } from "three";
 
 import { ramp } from "../map/paint";
 
@@ -68,7 +68,7 @@ void main() { at = uv; gl_Position = vec4(position.xy, 0.0, 1.0); }`;
 const shading = `
 precision highp float;
 in vec2 at; out vec4 drawn;
-uniform sampler2D colours; uniform sampler2D depths; uniform vec2 pixel; uniform vec2 range; uniform bool parallel;
+uniform sampler2D colours; uniform sampler2D depths; uniform vec2 pixel; uniform vec2 range; uniform bool parallel; uniform bool shaded;
 float depth(vec2 where) {
   float value = texture(depths, where).r;
   if (value >= 1.0) return -1.0;
@@ -76,6 +76,9 @@ float depth(vec2 where) {
 }
 void main() {
   vec4 colour = texture(colours, at);
+  gl_FragDepth = texture(depths, at).r; // what lies over the points may lie behind some
+  drawn = colour;
+  if (!shaded) return;
   float here = depth(at);
   float darker = 0.0;
   for (int i = 0; i < 4; ++i) {
@@ -91,8 +94,7 @@ export function shadingMaterial(colours: Texture, depths: Texture): RawShaderMat
     glslVersion: GLSL3,
     vertexShader: screenVertex,
     fragmentShader: shading,
-    depthTest: false,
-    depthWrite: false,
-    uniforms: { colours: { value: colours }, depths: { value: depths }, pixel: { value: new Vector2() }, range: { value: new Vector2() }, parallel: { value: false } },
+    depthFunc: AlwaysDepth,
+    uniforms: { colours: { value: colours }, depths: { value: depths }, pixel: { value: new Vector2() }, range: { value: new Vector2() }, parallel: { value: false }, shaded: { value: true } },
   });
 }

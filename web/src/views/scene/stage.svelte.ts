@@ -16,9 +16,9 @@ import { dot, sum, type Triple, Viewpoint } from "./viewpoint";
 
 ColorManagement.enabled = false;
 
-/** A view that moved so short ago moves still, and a frame of it should take so long at most. */
-const movingMs = 250;
-const movingFrameMs = 80;
+/** A frame should take so long; it draws so many points at first, and at least and at most. */
+const frameMs = 30;
+const [firstSlice, leastSlice, mostSlice] = [1e4, 1e4, 4e6];
 const pickPixels = 6; // how far from the pointer a point may lie
 const pointingPixels = 1; // how well a person points: standard deviation of each coordinate
 
@@ -52,6 +52,8 @@ export class Stage {
   isShaded = true;
   hasPictures = true;
   readonly #renderer: WebGLRenderer;
+  /** Points are drawn into a target, some more in each frame; what lies over them is drawn on the screen. */
+  readonly #pointScene = new Scene();
   readonly #scene = new Scene();
   readonly #perspective = new PerspectiveCamera();
   readonly #parallel = new OrthographicCamera();
@@ -64,9 +66,10 @@ export class Stage {
   /** Of the frame that the GPU is drawing, and when it began. */
   #fence: WebGLSync | undefined;
   #begun = 0;
-  /** Of a point on this GPU, about [ms]. */
-  #cost = 0;
-  #movedAt = -Infinity;
+  /** Points that a frame draws. */
+  #slice = firstSlice;
+  /** Those that are drawn are of another view. */
+  #isAnew = true;
   #pixels = 1;
   #size: [number, number] = [1, 1];
   #radius = 100;
@@ -83,22 +86,23 @@ export class Stage {
     this.#renderer = new WebGLRenderer({ canvas, powerPreference: "high-performance" });
     this.#renderer.debug.checkShaderErrors = false; // asking for them waits for the GPU
     this.#renderer.outputColorSpace = LinearSRGBColorSpace;
-    this.#renderer.autoClear = true;
-    const changed = (): void => this.redraw();
+    const more = (): void => this.#ask();
     this.points = new CloudPoints({
-      changed,
+      changed: () => this.redraw(),
+      came: more,
       opened: (header) => this.#opened(header),
       failed: (why) => (this.error = why),
       spread: (spread) => (this.spread = spread),
       classes: (classes) => (this.classes = classes),
     });
-    this.pyramids = new Pyramids(project, changed);
+    this.pyramids = new Pyramids(project, more);
     this.#target = new WebGLRenderTarget(1, 1, { depthTexture: new DepthTexture(1, 1) });
     this.#shading = shadingMaterial(this.#target.texture, this.#target.depthTexture as DepthTexture);
     this.#screen = new Mesh(new PlaneGeometry(2, 2), this.#shading);
     this.#screen.frustumCulled = false;
     this.#screenScene.add(this.#screen);
-    this.#scene.add(this.points.group, this.pyramids.group, this.control.group, this.drawing.group, this.draft.group);
+    this.#pointScene.add(this.points.group);
+    this.#scene.add(this.pyramids.group, this.control.group, this.drawing.group, this.draft.group);
     void this.#compiled();
     this.#sizes = new ResizeObserver(() => this.#resize());
     this.#sizes.observe(canvas.parentElement ?? canvas);
@@ -108,9 +112,9 @@ export class Stage {
   /** Nothing is drawn before the GPU's programs are made: who draws earlier waits for them. */
   async #compiled(): Promise<void> {
     const sample = new Points(new BufferGeometry(), this.points.material);
-    this.#scene.add(sample);
-    await Promise.all([this.#scene, this.#screenScene].map((scene) => this.#renderer.compileAsync(scene, this.#perspective))).catch(() => {});
-    this.#scene.remove(sample);
+    this.#pointScene.add(sample);
+    await Promise.all([this.#pointScene, this.#scene, this.#screenScene].map((scene) => this.#renderer.compileAsync(scene, this.#perspective))).catch(() => {});
+    this.#pointScene.remove(sample);
     this.#isReady = true;
     this.redraw();
   }
@@ -129,7 +133,7 @@ export class Stage {
   }
 
   setBackground(colour: string): void {
-    this.#scene.background = new Color(colour);
+    this.#renderer.setClearColor(new Color(colour), 1);
     this.redraw();
   }
 
@@ -193,26 +197,38 @@ export class Stage {
   }
 
   redraw(): void {
+    this.#isAnew = true;
+    this.#ask();
+  }
+
+  /** A frame: what lies over the points anew, and points that are not drawn yet. */
+  #ask(): void {
     this.rests = false;
     if (!this.#frame && !this.#disposed && this.#isReady) this.#frame = requestAnimationFrame(() => this.#next());
   }
 
-  /** A frame only when the one before it is drawn: commands that wait for a slow GPU would hold up the page. */
+  /** A frame only when the one before it is drawn, and of a part of the points: commands that wait for a slow GPU would hold up the page. */
   #next(): void {
     this.#frame = 0;
     const gl = this.#renderer.getContext() as WebGL2RenderingContext;
     if (this.#fence) {
-      if (gl.getSyncParameter(this.#fence, gl.SYNC_STATUS) !== gl.SIGNALED && !gl.isContextLost()) return this.redraw();
-      if (this.drawn > 1e5) this.#cost = (performance.now() - this.#begun) / this.drawn;
+      if (gl.getSyncParameter(this.#fence, gl.SYNC_STATUS) !== gl.SIGNALED && !gl.isContextLost()) return this.#ask();
+      this.#pace(performance.now() - this.#begun);
       gl.deleteSync(this.#fence);
       this.#fence = undefined;
     }
-    this.#draw();
+    const isMore = this.#draw();
     this.#begun = performance.now();
     this.#fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0) ?? undefined;
     gl.flush();
-    if (this.#isMoving) setTimeout(() => this.redraw(), movingMs + 20); // all points when the view stands still
+    if (isMore) this.#ask();
     else if (!this.#isBusy) this.#look();
+  }
+
+  /** More points than the last frame drew, or fewer, by the time that it took. */
+  #pace(took_ms: number): void {
+    if (took_ms < frameMs && this.points.drawnNow < this.#slice) return; // a full frame may take longer
+    this.#slice = Math.min(Math.max(this.#slice * Math.min(Math.max(frameMs / took_ms, 0.5), 4), leastSlice), mostSlice);
   }
 
   /** Something that is to be drawn is on its way: who brings it asks for a frame. */
@@ -230,14 +246,9 @@ export class Stage {
     });
   }
 
-  get #isMoving(): boolean {
-    return performance.now() - this.#movedAt < movingMs;
-  }
-
   /** Moved by hand: a photograph is no longer looked through. */
   moved(): void {
     this.#leave();
-    this.#movedAt = performance.now();
     this.redraw();
   }
 
@@ -369,28 +380,32 @@ export class Stage {
     return (2 * half * perMetre) / Math.max(away, this.#near);
   }
 
-  #draw(): void {
+  /** Whether points are left for another frame. */
+  #draw(): boolean {
     this.#pose();
     const camera = this.#camera;
     // Marks have their size on the screen: half a pixel for one of their pictures.
     const half = this.view.isParallel ? this.view.halfHeight : Math.tan(this.view.fov / 2);
     for (const overlay of [this.control, this.drawing, this.draft]) overlay.resize(half / this.#size[1]);
-    this.points.update(camera, (node: CloudNode) => this.#pixelsOf(node.half, sum(node.centre, this.origin, -1)), this.#isMoving && this.#cost > 0 ? movingFrameMs / this.#cost : Infinity);
+    this.points.update(camera, (node: CloudNode) => this.#pixelsOf(node.half, sum(node.centre, this.origin, -1)));
+    const isMore = this.points.paint(this.#slice, this.#isAnew);
     if (this.pyramids.group.visible) this.pyramids.update((one) => this.#pyramidSize(one), this.hasPictures);
     [this.drawn, this.loading] = [this.points.drawn, this.points.loading];
-    if (!this.isShaded) {
-      this.#renderer.setRenderTarget(null);
-      this.#renderer.render(this.#scene, camera);
-      return;
-    }
+    this.#renderer.autoClear = this.#isAnew;
+    this.#isAnew = false;
     this.#renderer.setRenderTarget(this.#target);
-    this.#renderer.render(this.#scene, camera);
+    this.#renderer.render(this.#pointScene, camera);
     const { uniforms } = this.#shading;
     uniforms["pixel"]!.value.set(1 / this.#target.width, 1 / this.#target.height);
     uniforms["range"]!.value.set(this.#near, this.#far);
     uniforms["parallel"]!.value = this.view.isParallel;
+    uniforms["shaded"]!.value = this.isShaded;
+    this.#renderer.autoClear = true;
     this.#renderer.setRenderTarget(null);
     this.#renderer.render(this.#screenScene, camera);
+    this.#renderer.autoClear = false;
+    this.#renderer.render(this.#scene, camera);
+    return isMore;
   }
 
   /** How large the base of a pyramid is on the screen [px]; 0: it is not in view. */
