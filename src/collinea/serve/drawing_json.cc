@@ -230,27 +230,39 @@ Result<std::string> vertices_json(const ProjectView& view, std::string_view body
 Result<std::string> figures_json(const ProjectView& view, std::string_view body) {
   COLLINEA_TRY(const json asked, asked_object(body));
   const bool is_list = asked.contains("figures");
-  const json kinds = is_list ? asked.at("figures") : json::array({asked.value("kind", json())});
-  if (!kinds.is_array() || kinds.size() > kMostFigures)
+  const json words = is_list ? asked.at("figures") : json::array({asked.value("kind", json())});
+  if (!words.is_array() || words.size() > kMostFigures)
     return fail(Errc::kBadInput, "figures: a list of at most " + std::to_string(kMostFigures));
+  std::vector<FigureKind> kinds;
+  for (const json& word : words) {
+    COLLINEA_TRY(const FigureKind kind, kind_in(word));
+    kinds.push_back(kind);
+  }
+  const auto without = [](FigureKind kind, const Error& why) {
+    return json{{"kind", word_of(kind)}, {"error", why.message}};
+  };
+  json list = json::array();
   const Drawing drawing = drawing_for(asked, view);
-  COLLINEA_TRY(const auto vertices, asked_vertices(asked, drawing, view.block));
+  const auto vertices = asked_vertices(asked, drawing, view.block);
+  // A feature that another edit has just taken away has no figures, and that is no fault of who asks.
+  if (!vertices && is_list && vertices.error().code == Errc::kNotFound) {
+    for (const FigureKind kind : kinds) list.push_back(without(kind, vertices.error()));
+    return dumped({{"figures", std::move(list)}});
+  }
+  if (!vertices) return tl::unexpected(vertices.error());
   COLLINEA_TRY(const auto plotting, plotting_of(view));
   std::vector<PlottedVertex> plotted;
-  for (const AskedVertex& vertex : vertices) {
+  for (const AskedVertex& vertex : *vertices) {
     COLLINEA_TRY(PlottedVertex one, plotting->plotter->plot(vertex).map_error([&](Error e) {
       return std::move(e).within("vertex " + std::to_string(plotted.size()));
     }));
     plotted.push_back(std::move(one));
   }
   const VertexFigures figures(*plotting->plotter, std::move(plotted));
-  json list = json::array();
-  for (const json& word : kinds) {
-    COLLINEA_TRY(const FigureKind kind, kind_in(word));
+  for (const FigureKind kind : kinds) {
     const auto figure = figures.measure(kind);
     if (!figure && !is_list) return tl::unexpected(figure.error());
-    list.push_back(figure ? figure_json(kind, *figure)
-                          : json{{"kind", word_of(kind)}, {"error", figure.error().message}});
+    list.push_back(figure ? figure_json(kind, *figure) : without(kind, figure.error()));
   }
   return dumped(is_list ? json{{"figures", std::move(list)}} : list.at(0));
 }

@@ -224,12 +224,19 @@ TEST_F(DrawingRoutes, OddRequestsAreRefused) {
       EXPECT_GE(response.status, 400) << what << " " << body;
       EXPECT_LT(response.status, 500) << what << " " << body << response.body;
     }
-  EXPECT_EQ(ask("figures", R"({"kind": "colour", "vertices": [{"surface": [0, 0]}]})").status,
+  EXPECT_EQ(ask("figures", R"({"kind": "distance", "vertices": [{"surface": [0, 0]}]})").status,
             422);  // no surface there
   EXPECT_EQ(ask("vertices", "", "GET").status, 405);
   EXPECT_EQ(ask("drawing", "{}").status, 405);
   EXPECT_EQ(ask("drawing?image=77", "", "GET").status, 404);
   EXPECT_EQ(ask("drawing?image=x", "", "GET").status, 400);
+  // A feature that was just taken away, or a vertex of it, has no figures: each says why.
+  for (const json& gone : {json{{"feature", "F9"}, {"vertex", 0}}, json{{"feature", "A"}, {"vertex", 99}}}) {
+    const json none = answer("figures", {{"figures", {"distance", "slope"}}, {"vertices", {gone, gone}}})["figures"];
+    ASSERT_EQ(none.size(), 2u);
+    EXPECT_EQ(none[0]["kind"], "distance");
+    EXPECT_TRUE(none[1].contains("error")) << none.dump();
+  }
   // A vertex that cannot be had says why; the others are answered.
   const json some =
       answer("vertices",

@@ -57,10 +57,10 @@ RepeatedVertex repeated_in(const json& one, const Drawing& drawing, const Block&
   const auto id = one.at("feature").get<std::string>();
   const auto number = one.at("vertex").get<std::int64_t>();
   const DrawnFeature* feature = drawing.features.find(id);
-  if (!feature) throw std::invalid_argument("there is no feature " + id.substr(0, 100));
+  if (!feature) throw std::out_of_range("there is no feature " + id.substr(0, 100));
   if (number < 0 || std::size_t(number) >= feature->vertices.size())
-    throw std::invalid_argument("feature " + id.substr(0, 100) + " has " + std::to_string(feature->vertices.size()) +
-                                " vertices, counted from 0");
+    throw std::out_of_range("feature " + id.substr(0, 100) + " has " + std::to_string(feature->vertices.size()) +
+                            " vertices, counted from 0");
   return repeated_vertex(feature->vertices[std::size_t(number)], block);
 }
 
@@ -95,6 +95,8 @@ Result<std::vector<AskedVertex>> asked_vertices(const json& asked, const Drawing
   std::vector<AskedVertex> vertices;
   try {
     for (const json& one : *list) vertices.push_back(vertex_in(one, drawing, block));
+  } catch (const std::out_of_range& error) {
+    return fail(Errc::kNotFound, error.what());
   } catch (const std::exception& error) {
     return fail(Errc::kBadInput, "vertex " + std::to_string(vertices.size()) + ": " + error.what());
   }

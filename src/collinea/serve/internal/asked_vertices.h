@@ -16,8 +16,8 @@ inline constexpr std::size_t kMostAskedVertices = DrawFeature::kMostVertices, kM
 [[nodiscard]] Result<nlohmann::ordered_json> asked_object(std::string_view body);
 
 /// Its "vertices": {"marks": [{"image", "pixel", "sigma_px"}]}, {"surface": [E, N]}, {"at": [E, N, H], "sigma_m",
-/// "source"}, {"feature", "vertex"}. Errors: none, or more than kMostAskedVertices; one that is written otherwise; a
-/// feature or vertex that there is not.
+/// "source"}, {"feature", "vertex"}. Errors: none, or more than kMostAskedVertices; one that is written otherwise;
+/// kNotFound, a feature or vertex that there is not.
 [[nodiscard]] Result<std::vector<AskedVertex>> asked_vertices(const nlohmann::ordered_json& asked,
                                                               const Drawing& drawing, const Block& block);
 
