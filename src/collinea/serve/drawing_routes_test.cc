@@ -231,8 +231,8 @@ TEST_F(DrawingRoutes, OddRequestsAreRefused) {
   EXPECT_EQ(ask("drawing?image=77", "", "GET").status, 404);
   EXPECT_EQ(ask("drawing?image=x", "", "GET").status, 400);
   // A feature that was just taken away, or a vertex of it, has no figures: each says why.
-  for (const json& gone : {json{{"feature", "F9"}, {"vertex", 0}}, json{{"feature", "A"}, {"vertex", 99}}}) {
-    const json none = answer("figures", {{"figures", {"distance", "slope"}}, {"vertices", {gone, gone}}})["figures"];
+  for (const json& removed : {json{{"feature", "F9"}, {"vertex", 0}}, json{{"feature", "A"}, {"vertex", 99}}}) {
+    const json none = answer("figures", {{"figures", {"distance", "slope"}}, {"vertices", {removed, removed}}})["figures"];
     ASSERT_EQ(none.size(), 2u);
     EXPECT_EQ(none[0]["kind"], "distance");
     EXPECT_TRUE(none[1].contains("error")) << none.dump();
