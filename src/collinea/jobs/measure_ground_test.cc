@@ -10,6 +10,7 @@
 #include "collinea/block/world_frame.h"
 #include "collinea/math/random.h"
 #include "collinea/project/settings.h"
+#include "collinea/restitution/test_stereo.h"
 #include "collinea/store/project_store.h"
 #include "collinea/synthetic/survey.h"
 #include "collinea/synthetic/write.h"
@@ -24,20 +25,6 @@ using Eigen::Vector3d;
 /// say about how high the ground is: there is no surface.
 class MeasureGround : public ::testing::Test {
  protected:
-  static Truth made() {
-    SurveyOptions options;
-    options.strips = 1;
-    options.images_per_strip = 3;
-    options.cross_strips = 0;
-    options.forward_overlap = 0.6;
-    options.gsd_m = 0.1;
-    options.camera.width_px = 900;
-    options.camera.height_px = 600;
-    options.control_points = options.check_points = 2;
-    options.building_area_m2 = 0;
-    options.attitude_jitter_deg = 3;
-    return *make_survey(options);
-  }
   void SetUp() override {
     std::filesystem::create_directories(folder_ / "images");
     const auto written = write_images(truth_, folder_ / "images", {.threads = 2});
@@ -65,7 +52,7 @@ class MeasureGround : public ::testing::Test {
   }
 
   TestFolder folder_;
-  Truth truth_ = made();
+  Truth truth_ = *make_survey(testing::strip_of_three());
 };
 
 // Measured places of the map: what the left photograph truly shows where the mark stands. Heights miss it within three

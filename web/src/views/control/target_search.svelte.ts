@@ -34,7 +34,7 @@ export class TargetSearch {
     const each = async <T>(list: readonly T[], look: (one: T) => Promise<void>): Promise<void> => {
       for (const one of list) {
         if (mine !== this.#run) return;
-        await look(one).catch((error: unknown) => (this.error = api.messageOf(error)));
+        await look(one).catch((error: unknown) => mine === this.#run && (this.error = api.messageOf(error)));
         if (mine === this.#run) ++this.done;
       }
     };
@@ -50,6 +50,7 @@ export class TargetSearch {
         if (api.isMissing(error)) return { tags: [] }; // a server without, or no such photograph
         throw error;
       });
+      if (mine !== this.#run) return;
       for (const tag of tags) {
         const point = pointOfTag(names, tag.number);
         if (point === undefined) ++this.unknownTags;
@@ -76,9 +77,9 @@ export class TargetSearch {
     await this.desk.reload();
   }
 
-  /** The target where a point is predicted, and neither marked nor offered. */
+  /** The target where a point is predicted and seen, and neither marked nor offered. */
   async #target(point: string, place: Place | undefined, mine: number): Promise<void> {
-    if (!place || place.marked || mine !== this.#run || this.found.some((one) => one.point === point && one.image === place.image)) return;
+    if (!place || place.marked || place.hidden || mine !== this.#run || this.found.some((one) => one.point === point && one.image === place.image)) return;
     try {
       const { pixel, sigma_px, kind } = await api.refine(this.desk.project, place.image, place.pixel, "auto");
       if (mine === this.#run) this.#offer({ point, image: place.image, file: place.file, pixel, sigma_px, kind, ...offOf(pixel, place) });
@@ -87,7 +88,9 @@ export class TargetSearch {
     }
   }
 
+  /** One of a point in a photograph: the first. */
   #offer(mark: FoundMark): void {
+    if (this.found.some((one) => one.point === mark.point && one.image === mark.image)) return;
     if (this.desk.points.find((one) => one.name === mark.point)?.marks.some((one) => one.image === mark.image)) return;
     this.found = [...this.found, mark];
     if (!mark.isFar) this.chosen = new Set([...this.chosen, mark]);

@@ -216,6 +216,7 @@ export class CloudPoints {
   #take(loaded: LoadedNode): void {
     const node = this.#nodes[loaded.node] as CloudNode;
     this.#asked.delete(loaded.node);
+    this.#forget(loaded.node); // cancelled and asked for again, it may come twice
     if (this.#failures.size) {
       this.#failures.succeeded(loaded.node);
       if (!this.#failures.size) this.#events.failed("");
@@ -266,5 +267,6 @@ export class CloudPoints {
     this.group.remove(points);
     points.geometry.dispose();
     this.#shown.delete(index);
+    this.#painted.delete(index);
   }
 }

@@ -63,9 +63,10 @@ export class Stage {
   readonly #screenScene = new Scene();
   readonly #sizes: ResizeObserver;
   #frame = 0;
-  /** Of the frame that the GPU is drawing, and when it began. */
+  /** Of the frame that the GPU is drawing, when it began, and when it was last known to be at work. */
   #fence: WebGLSync | undefined;
   #begun = 0;
+  #atWork = 0;
   /** Points that a frame draws. */
   #slice = firstSlice;
   /** Those that are drawn are of another view. */
@@ -211,14 +212,18 @@ export class Stage {
   #next(): void {
     this.#frame = 0;
     const gl = this.#renderer.getContext() as WebGL2RenderingContext;
+    const now = performance.now();
     if (this.#fence) {
-      if (gl.getSyncParameter(this.#fence, gl.SYNC_STATUS) !== gl.SIGNALED && !gl.isContextLost()) return this.#ask();
-      this.#pace(performance.now() - this.#begun);
+      if (gl.getSyncParameter(this.#fence, gl.SYNC_STATUS) !== gl.SIGNALED && !gl.isContextLost()) {
+        this.#atWork = now;
+        return this.#ask();
+      }
+      if (now - this.#atWork < 2 * frameMs) this.#pace(now - this.#begun); // else nobody knows when it ended
       gl.deleteSync(this.#fence);
       this.#fence = undefined;
     }
     const isMore = this.#draw();
-    this.#begun = performance.now();
+    this.#begun = this.#atWork = performance.now();
     this.#fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0) ?? undefined;
     gl.flush();
     if (isMore) this.#ask();
